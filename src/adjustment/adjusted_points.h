@@ -1,0 +1,43 @@
+// Points under adjustment with the pixels that show them.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "adjustment/adjustment_options.h"
+#include "scene/correspondences.h"
+#include "scene/rig.h"
+
+namespace rigmap {
+
+struct PointObservation {
+  int frame = 0;
+  int feature = 0;
+  Eye eye = Eye::kLeft;
+  Eigen::Vector2d pixel = Eigen::Vector2d::Zero();
+
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(frame, feature, eye, pixel);
+  }
+};
+
+struct AdjustedPoint {
+  Eigen::Vector3d x = Eigen::Vector3d::Zero();
+  std::vector<PointObservation> observations;
+
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(x, observations);
+  }
+};
+
+// Triangulates every track over the frames that have a pose (left_from_world; frames without one
+// are passed over). Tracks whose rays do not meet to within max_error_px are left out, as are those
+// beyond the depth limit and those seen by one frame only.
+std::vector<AdjustedPoint> TriangulateTracks(
+    const std::vector<Track>& tracks, const Correspondences& correspondences, const StereoRig& rig,
+    const std::vector<std::optional<Rigid3>>& left_from_world, double max_error_px,
+    double max_depth_m);
+
+}  // namespace rigmap

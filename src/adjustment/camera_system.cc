@@ -1,0 +1,177 @@
+#include "adjustment/camera_system.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+#include <Eigen/SparseCholesky>
+#include <algorithm>
+#include <map>
+
+#include "adjustment/reprojection.h"
+
+namespace rigmap {
+namespace {
+
+constexpr int kShared = 4;  // right eye's rotation, common focal factor
+using SharedMatrix = Eigen::Matrix<double, kShared, kShared>;
+using PoseShared = Eigen::Matrix<double, 6, kShared>;
+using SharedPoint = Eigen::Matrix<double, kShared, 3>;
+using PosePoint = Eigen::Matrix<double, 6, 3>;
+
+// Blocks of the reduced system. Frames are numbered in the order in which they were first met.
+class ReducedSystem {
+ public:
+  explicit ReducedSystem(std::size_t frames) : unknown_(frames, -1) {}
+
+  void Fix(int frame) { unknown_[frame] = kFixed; }
+
+  void AddPoint(const AdjustedPoint& point, const std::vector<std::optional<Rigid3>>& poses,
+                const StereoRig& rig, double noise_px, double huber_px) {
+    Eigen::Matrix3d v = Eigen::Matrix3d::Zero();
+    Eigen::Vector3d v_gradient = Eigen::Vector3d::Zero();
+    SharedPoint shared_point = SharedPoint::Zero();
+    std::map<int, PosePoint> pose_point;
+    for (const PointObservation& observation : point.observations) {
+      const auto at =
+          Reproject(rig, observation.eye, rig.right_from_left, *poses[observation.frame], point.x);
+      if (!at) continue;
+      const Eigen::Vector2d residual = at->pixel - observation.pixel;
+      const double weight =
+          std::min(1.0, huber_px / std::max(residual.norm(), 1e-9)) / (noise_px * noise_px);
+      const ReprojectionJacobians& j = at->jacobians;
+      Eigen::Matrix<double, 2, kShared> shared;
+      shared << j.rig_rotation, j.log_focal;
+      v += weight * j.point.transpose() * j.point;
+      v_gradient += weight * j.point.transpose() * residual;
+      shared_point += weight * shared.transpose() * j.point;
+      shared_ += weight * shared.transpose() * shared;
+      shared_gradient_ += weight * shared.transpose() * residual;
+      const int unknown = UnknownOf(observation.frame);
+      if (unknown < 0) continue;
+      auto [block, fresh] = pose_point.try_emplace(unknown, PosePoint::Zero());
+      block->second += weight * j.pose.transpose() * j.point;
+      Block(unknown, unknown) += weight * j.pose.transpose() * j.pose;
+      pose_shared_[unknown] += weight * j.pose.transpose() * shared;
+      pose_gradient_[unknown] += weight * j.pose.transpose() * residual;
+    }
+    Eliminate(v, v_gradient, shared_point, pose_point);
+  }
+
+  CameraSystemResult Solve(const std::vector<std::optional<Rigid3>>& poses) const;
+
+ private:
+  static constexpr int kFixed = -2;
+
+  int UnknownOf(int frame) {
+    int& unknown = unknown_[frame];
+    if (unknown == -1) {
+      unknown = static_cast<int>(pose_shared_.size());
+      pose_shared_.push_back(PoseShared::Zero());
+      pose_gradient_.push_back(Vector6d::Zero());
+    }
+    return unknown;
+  }
+
+  Matrix6d& Block(int row, int column) {
+    return blocks_.try_emplace({row, column}, Matrix6d::Zero()).first->second;
+  }
+
+  // Subtracts what the point's own freedom takes away.
+  void Eliminate(const Eigen::Matrix3d& v, const Eigen::Vector3d& v_gradient,
+                 const SharedPoint& shared_point, const std::map<int, PosePoint>& pose_point) {
+    const Eigen::Matrix3d inverse = v.inverse();
+    if (!inverse.allFinite()) return;
+    for (const auto& [i, of_i] : pose_point) {
+      const PosePoint scaled = of_i * inverse;
+      for (const auto& [k, of_k] : pose_point) {
+        if (k <= i) Block(i, k) -= scaled * of_k.transpose();
+      }
+      pose_shared_[i] -= scaled * shared_point.transpose();
+      pose_gradient_[i] -= scaled * v_gradient;
+    }
+    shared_ -= shared_point * inverse * shared_point.transpose();
+    shared_gradient_ -= shared_point * inverse * v_gradient;
+  }
+
+  std::vector<int> unknown_;
+  std::map<std::pair<int, int>, Matrix6d> blocks_;  // lower triangle
+  std::vector<PoseShared> pose_shared_;
+  std::vector<Vector6d> pose_gradient_;
+  SharedMatrix shared_ = SharedMatrix::Zero();
+  Eigen::Matrix<double, kShared, 1> shared_gradient_ = Eigen::Matrix<double, kShared, 1>::Zero();
+};
+
+Eigen::SparseMatrix<double> LowerTriangle(const std::map<std::pair<int, int>, Matrix6d>& blocks,
+                                          int unknowns) {
+  std::vector<Eigen::Triplet<double>> entries;
+  for (const auto& [at, block] : blocks) {
+    for (int r = 0; r < 6; ++r) {
+      for (int c = 0; c < 6; ++c) {
+        const int row = 6 * at.first + r, column = 6 * at.second + c;
+        if (column <= row) entries.emplace_back(row, column, block(r, c));
+      }
+    }
+  }
+  Eigen::SparseMatrix<double> matrix(6 * unknowns, 6 * unknowns);
+  matrix.setFromTriplets(entries.begin(), entries.end());
+  return matrix;
+}
+
+// From a perturbation of left_from_world (rotation, translation) to one of world_from_left
+// (translation, rotation), in world axes.
+Matrix6d WorldFromPerturbation(const Rigid3& left_from_world) {
+  const Eigen::Matrix3d back = left_from_world.rotation.toRotationMatrix().transpose();
+  Matrix6d jacobian;
+  jacobian << -back * Skew(left_from_world.translation), -back, -back, Eigen::Matrix3d::Zero();
+  return jacobian;
+}
+
+CameraSystemResult ReducedSystem::Solve(const std::vector<std::optional<Rigid3>>& poses) const {
+  CameraSystemResult result;
+  result.covariances.assign(poses.size(), Matrix6d::Zero());
+  const int unknowns = static_cast<int>(pose_shared_.size());
+  if (unknowns == 0) return result;
+  const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> solver(LowerTriangle(blocks_, unknowns));
+  if (solver.info() != Eigen::Success) return result;
+  for (std::size_t frame = 0; frame < poses.size(); ++frame) {
+    if (unknown_[frame] < 0) continue;
+    Eigen::MatrixXd unit = Eigen::MatrixXd::Zero(6 * unknowns, 6);
+    unit.middleRows<6>(6 * unknown_[frame]).setIdentity();
+    const Matrix6d inverse = solver.solve(unit).eval().middleRows<6>(6 * unknown_[frame]);
+    const Matrix6d jacobian = WorldFromPerturbation(*poses[frame]);
+    result.covariances[frame] = jacobian * inverse * jacobian.transpose();
+  }
+  Eigen::MatrixXd coupling(6 * unknowns, kShared);
+  Eigen::VectorXd gradient(6 * unknowns);
+  for (int i = 0; i < unknowns; ++i) {
+    coupling.middleRows<6>(6 * i) = pose_shared_[i];
+    gradient.segment<6>(6 * i) = pose_gradient_[i];
+  }
+  const Eigen::MatrixXd solved = solver.solve(coupling);
+  const SharedMatrix reduced = shared_ - coupling.transpose() * solved;
+  const Eigen::LDLT<SharedMatrix> shared_solver(reduced);
+  if (shared_solver.info() != Eigen::Success || !shared_solver.isPositive()) return result;
+  const SharedMatrix covariance = reduced.inverse();
+  const Eigen::Vector4d step = -covariance * (shared_gradient_ - solved.transpose() * gradient);
+  if (!step.allFinite() || !(covariance.diagonal().minCoeff() > 0.0)) return result;
+  const Eigen::Vector4d sigma = covariance.diagonal().cwiseSqrt();
+  result.calibration = CalibrationStep{step.head<3>(), sigma.head<3>(), step(3), sigma(3)};
+  return result;
+}
+
+}  // namespace
+
+CameraSystemResult SolveCameraSystem(const std::vector<AdjustedPoint>& points,
+                                     const std::vector<std::optional<Rigid3>>& left_from_world,
+                                     const StereoRig& rig, double noise_px, double huber_px) {
+  ReducedSystem system(left_from_world.size());
+  const auto first = std::find_if(left_from_world.begin(), left_from_world.end(),
+                                  [](const auto& motion) { return motion.has_value(); });
+  if (first == left_from_world.end()) return {};
+  system.Fix(static_cast<int>(first - left_from_world.begin()));
+  for (const AdjustedPoint& point : points) {
+    system.AddPoint(point, left_from_world, rig, noise_px, huber_px);
+  }
+  return system.Solve(left_from_world);
+}
+
+}  // namespace rigmap

@@ -1,0 +1,34 @@
+#include "adjustment/reprojection.h"
+
+namespace rigmap {
+
+std::optional<Reprojection> Reproject(const StereoRig& rig, Eye eye, const Rigid3& right_from_left,
+                                      const Rigid3& left_from_world, const Eigen::Vector3d& x) {
+  const Camera& camera = rig.Of(eye).camera;
+  const Eigen::Vector3d turned = left_from_world.rotation * x;
+  const Eigen::Vector3d in_left = turned + left_from_world.translation;
+  const bool is_left = eye == Eye::kLeft;
+  const Eigen::Vector3d in_eye = is_left ? in_left : right_from_left * in_left;
+  constexpr double kMinDepth = 1e-6;
+  if (!(in_left.z() > kMinDepth) || !(in_eye.z() > kMinDepth)) return std::nullopt;
+
+  Reprojection result;
+  Eigen::Matrix2d distortion;
+  const Eigen::Vector2d normalised = in_eye.hnormalized();
+  result.pixel = Distort(camera, normalised, distortion);
+  Eigen::Matrix<double, 2, 3> projection;
+  projection << 1.0, 0.0, -normalised.x(), 0.0, 1.0, -normalised.y();
+  const Eigen::Matrix<double, 2, 3> by_eye = distortion * projection / in_eye.z();
+  const Eigen::Matrix<double, 2, 3> by_left =
+      is_left ? by_eye
+              : Eigen::Matrix<double, 2, 3>(by_eye * right_from_left.rotation.toRotationMatrix());
+  ReprojectionJacobians& jacobians = result.jacobians;
+  jacobians.pose << -by_left * Skew(turned), by_left;
+  jacobians.point = by_left * left_from_world.rotation.toRotationMatrix();
+  jacobians.rig_rotation.setZero();
+  if (!is_left) jacobians.rig_rotation = -by_eye * Skew(in_eye);
+  jacobians.log_focal = result.pixel - Eigen::Vector2d(camera.cx, camera.cy);
+  return result;
+}
+
+}  // namespace rigmap

@@ -1,0 +1,287 @@
+#include "colmap/database.h"
+
+#include <SQLiteCpp/SQLiteCpp.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstring>
+#include <limits>
+#include <map>
+#include <set>
+
+#include "colmap/camera_model.h"
+#include "colmap/process.h"
+#include "core/error.h"
+
+namespace rigmap {
+namespace {
+
+constexpr std::int64_t kImageLimit = std::numeric_limits<std::int32_t>::max();  // COLMAP's
+constexpr int kCalibrated = 2;  // two_view_geometries.config
+constexpr const char* kUnfinished = ".unfinished";
+constexpr int kSqliteBusy = 5, kSqliteLocked = 6;
+
+const std::map<std::string, std::vector<std::string>> kNeededColumns{
+    {"cameras", {"camera_id", "model", "width", "height", "params", "prior_focal_length"}},
+    {"images", {"image_id", "name", "camera_id"}},
+    {"keypoints", {"image_id", "rows", "cols", "data"}},
+    {"matches", {"pair_id", "rows", "cols", "data"}},
+    {"two_view_geometries", {"pair_id", "rows", "cols", "data", "config"}}};
+
+std::int64_t PairId(std::int64_t smaller, std::int64_t larger) {
+  return kImageLimit * smaller + larger;
+}
+
+void Require(bool holds, const std::filesystem::path& path, const std::string& sentence) {
+  if (!holds) throw DataError(fmt::format("{}: {}", path.string(), sentence));
+}
+
+// ---- Checks ----
+
+void CheckPair(const DatabasePair& pair,
+               const std::map<std::uint32_t, const DatabaseImage*>& image_of_id,
+               const std::filesystem::path& path) {
+  const auto a = image_of_id.find(pair.image_a), b = image_of_id.find(pair.image_b);
+  Require(
+      a != image_of_id.end() && b != image_of_id.end() && a != b, path,
+      fmt::format("expected a pair of two images, found {} and {}", pair.image_a, pair.image_b));
+  const auto count_a = a->second->keypoints.size(), count_b = b->second->keypoints.size();
+  for (const auto& [keypoint_a, keypoint_b] : pair.matches) {
+    Require(keypoint_a < count_a && keypoint_b < count_b, path,
+            fmt::format("pair {}, {}: expected matches within {} and {} keypoints, found {}, {}",
+                        pair.image_a, pair.image_b, count_a, count_b, keypoint_a, keypoint_b));
+  }
+}
+
+void CheckContent(const DatabaseContent& content, const std::filesystem::path& path) {
+  std::set<std::uint32_t> camera_ids;
+  for (const auto& camera : content.cameras) camera_ids.insert(camera.id);
+  std::map<std::uint32_t, const DatabaseImage*> image_of_id;
+  for (const auto& image : content.images) {
+    Require(image.id > 0 && image.id < kImageLimit, path,
+            fmt::format("expected image ids from 1 to {}, found {}", kImageLimit - 1, image.id));
+    Require(camera_ids.count(image.camera_id) > 0, path,
+            fmt::format("image {}: expected a known camera, found {}", image.id, image.camera_id));
+    image_of_id.emplace(image.id, &image);
+  }
+  for (const auto& pair : content.pairs) CheckPair(pair, image_of_id, path);
+}
+
+void CheckTables(SQLite::Database& database, const ColmapInstallation& colmap) {
+  for (const auto& [table, needed] : kNeededColumns) {
+    std::set<std::string> found;
+    SQLite::Statement columns(database, fmt::format("PRAGMA table_info({})", table));
+    while (columns.executeStep()) found.insert(columns.getColumn(1).getString());
+    for (const auto& column : needed) {
+      if (found.count(column)) continue;
+      throw ToolError(fmt::format(
+          "{} database_creator: expected a column {} in table {}, found {}", colmap.path, column,
+          table, found.empty() ? "no such table" : fmt::format("{}", fmt::join(found, ", "))));
+    }
+  }
+}
+
+// ---- Writing ----
+
+void InsertCameras(SQLite::Database& database, const std::vector<SparseCamera>& cameras) {
+  SQLite::Statement insert(database,
+                           "INSERT INTO cameras (camera_id, model, width, height, params, "
+                           "prior_focal_length) VALUES (?, ?, ?, ?, ?, 1)");
+  for (const auto& [id, camera] : cameras) {
+    const ColmapCamera converted = ToColmap(camera);
+    insert.bind(1, static_cast<std::int64_t>(id));
+    insert.bind(2, converted.model);
+    insert.bind(3, camera.width);
+    insert.bind(4, camera.height);
+    insert.bind(5, converted.parameters.data(),
+                static_cast<int>(converted.parameters.size() * sizeof(double)));
+    insert.exec();
+    insert.reset();
+  }
+}
+
+void InsertImages(SQLite::Database& database, const std::vector<DatabaseImage>& images) {
+  SQLite::Statement insert_image(database,
+                                 "INSERT INTO images (image_id, name, camera_id) VALUES (?, ?, ?)");
+  SQLite::Statement insert_keypoints(
+      database, "INSERT INTO keypoints (image_id, rows, cols, data) VALUES (?, ?, 2, ?)");
+  for (const auto& image : images) {
+    insert_image.bind(1, static_cast<std::int64_t>(image.id));
+    insert_image.bind(2, image.name);
+    insert_image.bind(3, static_cast<std::int64_t>(image.camera_id));
+    insert_image.exec();
+    insert_image.reset();
+    std::vector<float> data;
+    for (const auto& keypoint : image.keypoints) {
+      data.push_back(keypoint.x() + static_cast<float>(kColmapPixelShift));
+      data.push_back(keypoint.y() + static_cast<float>(kColmapPixelShift));
+    }
+    insert_keypoints.bind(1, static_cast<std::int64_t>(image.id));
+    insert_keypoints.bind(2, static_cast<std::int64_t>(image.keypoints.size()));
+    insert_keypoints.bind(3, data.data(), static_cast<int>(data.size() * sizeof(float)));
+    insert_keypoints.exec();
+    insert_keypoints.reset();
+  }
+}
+
+// The first column belongs to the image with the smaller id.
+std::vector<std::uint32_t> MatchData(const DatabasePair& pair) {
+  std::vector<std::uint32_t> data;
+  for (auto [first, second] : pair.matches) {
+    if (pair.image_a > pair.image_b) std::swap(first, second);
+    data.push_back(first);
+    data.push_back(second);
+  }
+  return data;
+}
+
+void InsertPairs(SQLite::Database& database, const std::vector<DatabasePair>& pairs) {
+  SQLite::Statement insert_matches(
+      database, "INSERT INTO matches (pair_id, rows, cols, data) VALUES (?, ?, 2, ?)");
+  // F, E, H, qvec and tvec stay NULL: COLMAP takes zeros for a geometry.
+  SQLite::Statement insert_geometry(database,
+                                    fmt::format("INSERT INTO two_view_geometries (pair_id, rows, "
+                                                "cols, data, config) VALUES (?, ?, 2, ?, {})",
+                                                kCalibrated));
+  for (const auto& pair : pairs) {
+    const std::vector<std::uint32_t> data = MatchData(pair);
+    const auto [smaller, larger] = std::minmax(pair.image_a, pair.image_b);
+    for (SQLite::Statement* insert : {&insert_matches, &insert_geometry}) {
+      insert->bind(1, PairId(smaller, larger));
+      insert->bind(2, static_cast<std::int64_t>(pair.matches.size()));
+      insert->bind(3, data.data(), static_cast<int>(data.size() * sizeof(std::uint32_t)));
+      insert->exec();
+      insert->reset();
+    }
+  }
+}
+
+void Fill(const std::filesystem::path& path, const ColmapInstallation& colmap,
+          const DatabaseContent& content) {
+  SQLite::Database database(path.string(), SQLite::OPEN_READWRITE);
+  CheckTables(database, colmap);
+  SQLite::Transaction transaction(database);
+  InsertCameras(database, content.cameras);
+  InsertImages(database, content.images);
+  InsertPairs(database, content.pairs);
+  transaction.commit();
+  // Ends the write-ahead log that COLMAP began: all is in the one file that is renamed.
+  database.exec("PRAGMA journal_mode = DELETE");
+}
+
+// ---- Files ----
+
+void RemoveDatabase(const std::filesystem::path& path) {
+  for (const char* suffix : {"", "-wal", "-shm", "-journal"}) {
+    std::filesystem::remove(path.string() + suffix);
+  }
+}
+
+// Replacing a database under another program's hands would lose that program's work.
+void CheckUnlocked(const std::filesystem::path& path) {
+  if (!std::filesystem::exists(path)) return;
+  int code = 0;
+  try {
+    SQLite::Database database(path.string(), SQLite::OPEN_READWRITE);
+    code = database.tryExec("BEGIN EXCLUSIVE");
+  } catch (const SQLite::Exception& error) {
+    code = error.getErrorCode();
+  }
+  Require(code != kSqliteBusy && code != kSqliteLocked, path,
+          "expected a database of our own, found it locked by another program");
+}
+
+DatabaseImage ReadImage(SQLite::Statement& row, const std::filesystem::path& path) {
+  DatabaseImage image{.id = row.getColumn(0).getUInt(),
+                      .camera_id = row.getColumn(2).getUInt(),
+                      .name = row.getColumn(1).getString(),
+                      .keypoints = {}};
+  const auto count = static_cast<std::size_t>(row.getColumn(3).getInt64());
+  const auto columns = static_cast<std::size_t>(row.getColumn(4).getInt64());
+  const auto blob = row.getColumn(5);
+  Require(
+      columns >= 2 && static_cast<std::size_t>(blob.getBytes()) == count * columns * sizeof(float),
+      path, fmt::format("image {}: its keypoints do not have the stated size", image.id));
+  std::vector<float> data(count * columns);
+  if (!data.empty()) std::memcpy(data.data(), blob.getBlob(), data.size() * sizeof(float));
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto shift = static_cast<float>(kColmapPixelShift);
+    image.keypoints.emplace_back(data[i * columns] - shift, data[i * columns + 1] - shift);
+  }
+  return image;
+}
+
+DatabasePair ReadPair(SQLite::Statement& row, const std::filesystem::path& path) {
+  const std::int64_t pair_id = row.getColumn(0).getInt64();
+  DatabasePair pair{.image_a = static_cast<std::uint32_t>(pair_id / kImageLimit),
+                    .image_b = static_cast<std::uint32_t>(pair_id % kImageLimit),
+                    .matches = {}};
+  const auto count = static_cast<std::size_t>(row.getColumn(1).getInt64());
+  const auto blob = row.getColumn(2);
+  Require(static_cast<std::size_t>(blob.getBytes()) == count * 2 * sizeof(std::uint32_t), path,
+          fmt::format("pair {}: its matches do not have the stated size", pair_id));
+  std::vector<std::uint32_t> data(count * 2);
+  if (!data.empty()) std::memcpy(data.data(), blob.getBlob(), data.size() * sizeof(data[0]));
+  for (std::size_t i = 0; i < count; ++i) pair.matches.emplace_back(data[2 * i], data[2 * i + 1]);
+  return pair;
+}
+
+SparseCamera ReadCamera(SQLite::Statement& row, const std::filesystem::path& path) {
+  ColmapCamera camera{.model = row.getColumn(1).getInt(), .parameters = {}};
+  const auto count = ParameterCount(camera.model);
+  Require(count.has_value(), path,
+          "expected cameras PINHOLE or OPENCV, found " + ModelName(camera.model));
+  const auto blob = row.getColumn(4);
+  Require(static_cast<std::size_t>(blob.getBytes()) == *count * sizeof(double), path,
+          "a camera does not have the parameters of its model");
+  camera.parameters.resize(*count);
+  std::memcpy(camera.parameters.data(), blob.getBlob(), *count * sizeof(double));
+  return {.id = row.getColumn(0).getUInt(),
+          .camera = FromColmap(camera, row.getColumn(2).getInt(), row.getColumn(3).getInt())};
+}
+
+}  // namespace
+
+void WriteDatabase(const ColmapInstallation& colmap, const DatabaseContent& content,
+                   const std::filesystem::path& path, const std::filesystem::path& log_path) {
+  CheckContent(content, path);
+  const std::filesystem::path temporary = path.string() + kUnfinished;
+  try {
+    if (path.has_parent_path()) std::filesystem::create_directories(path.parent_path());
+    CheckUnlocked(path);
+    RemoveDatabase(temporary);
+    RunTool({.program = colmap.path,
+             .arguments = {"database_creator", "--database_path", temporary.string()},
+             .log_path = log_path},
+            "creating the database");
+    Fill(temporary, colmap, content);
+    RemoveDatabase(path);
+    std::filesystem::rename(temporary, path);
+  } catch (const std::filesystem::filesystem_error& error) {
+    throw DataError(fmt::format("{}: cannot write: {}", path.string(), error.code().message()));
+  } catch (const SQLite::Exception& error) {
+    throw DataError(fmt::format("{}: cannot write: {}", path.string(), error.what()));
+  }
+}
+
+DatabaseContent ReadDatabase(const std::filesystem::path& path) {
+  try {
+    DatabaseContent content;
+    SQLite::Database database(path.string(), SQLite::OPEN_READONLY);
+    SQLite::Statement cameras(
+        database, "SELECT camera_id, model, width, height, params FROM cameras ORDER BY camera_id");
+    while (cameras.executeStep()) content.cameras.push_back(ReadCamera(cameras, path));
+    SQLite::Statement images(database,
+                             "SELECT image_id, name, camera_id, rows, cols, data FROM images JOIN "
+                             "keypoints USING (image_id) ORDER BY image_id");
+    while (images.executeStep()) content.images.push_back(ReadImage(images, path));
+    SQLite::Statement pairs(database,
+                            "SELECT pair_id, rows, data FROM two_view_geometries ORDER BY pair_id");
+    while (pairs.executeStep()) content.pairs.push_back(ReadPair(pairs, path));
+    return content;
+  } catch (const SQLite::Exception& error) {
+    throw DataError(fmt::format("{}: cannot read: {}", path.string(), error.what()));
+  }
+}
+
+}  // namespace rigmap

@@ -1,0 +1,50 @@
+// COLMAP's database, written whole.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "colmap/installation.h"
+#include "scene/sparse_model.h"
+
+namespace rigmap {
+
+struct DatabaseImage {
+  std::uint32_t id = 0;  // 1 to 2147483646
+  std::uint32_t camera_id = 0;
+  std::string name;                        // relative to the image folder; unique
+  std::vector<Eigen::Vector2f> keypoints;  // px, OpenCV's convention, distorted image
+};
+
+struct DatabasePair {
+  std::uint32_t image_a = 0, image_b = 0;  // different; in any order
+  // (keypoint of image_a, keypoint of image_b), verified by the caller.
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> matches;
+};
+
+struct DatabaseContent {
+  std::vector<SparseCamera> cameras;
+  std::vector<DatabaseImage> images;
+  std::vector<DatabasePair> pairs;  // each unordered pair of images at most once
+};
+
+// The tables are made by the COLMAP that will read them (`database_creator`), checked, filled in
+// one transaction under a temporary name and renamed to `path`, whose folder is created. Cameras
+// are marked as calibrated; each pair's matches count as verified (two_view_geometries, config 2)
+// and as raw matches. No descriptors are stored. The tool's output is appended to `log_path`.
+//
+// Throws DataError when ids, names or keypoint indices contradict each other, when the file cannot
+// be written or when another program is writing to a database at `path`; ToolError when
+// database_creator fails or makes a table without a column that is needed.
+void WriteDatabase(const ColmapInstallation& colmap, const DatabaseContent& content,
+                   const std::filesystem::path& path, const std::filesystem::path& log_path);
+
+// What such a database holds, in order of ids; pairs come from two_view_geometries and have
+// image_a < image_b. Throws DataError.
+DatabaseContent ReadDatabase(const std::filesystem::path& path);
+
+}  // namespace rigmap

@@ -1,0 +1,18 @@
+// The COLMAP that this machine offers.
+#pragma once
+
+#include <string>
+
+namespace rigmap {
+
+struct ColmapInstallation {
+  std::string path;          // of the program
+  std::string version_text;  // "3.8"
+};
+
+// Looks `colmap` up on PATH and asks it for its version. This release knows the options and the
+// tables of 3.8 only: any other version is refused with a ToolError that says what was found and
+// where, and so is a program that fails, hangs (killed after `patience_s`) or names no version.
+ColmapInstallation FindColmap(double patience_s = 20.0);
+
+}  // namespace rigmap

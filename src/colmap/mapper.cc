@@ -1,0 +1,275 @@
+#include "colmap/mapper.h"
+
+#include <fmt/format.h>
+
+#include <cstdint>
+#include <limits>
+#include <regex>
+
+#include "colmap/model_io.h"
+#include "colmap/process.h"
+#include "core/error.h"
+
+namespace rigmap {
+namespace {
+
+constexpr double kMaxAngle_deg = 90.0;
+constexpr double kMaxError_px = 1000.0;
+
+// A command line in the making: --NAME VALUE, options of the mapper as --Mapper.NAME VALUE.
+class CommandLine {
+ public:
+  explicit CommandLine(const std::string& command) : arguments_{command} {}
+
+  CommandLine& Path(const std::string& name, const std::filesystem::path& path) {
+    return Add("--" + name, path.string());
+  }
+  CommandLine& Set(const std::string& name, double value) {
+    return Add("--Mapper." + name, fmt::format("{}", value));
+  }
+  CommandLine& Flag(const std::string& name, bool value) {
+    return Add("--" + name, value ? "1" : "0");
+  }
+  // What holds for every run, whatever the options: the calibration is not touched, no image is
+  // read for its colours, and equal runs give equal models.
+  CommandLine& SetFixed(int threads) {
+    Add("--random_seed", "0");
+    for (const char* name : {"ba_refine_focal_length", "ba_refine_principal_point",
+                             "ba_refine_extra_params", "extract_colors"}) {
+      Set(name, 0);
+    }
+    // With several threads 3.8's adjustment sums in the order of their arrival: above this number
+    // of residuals two equal runs differ, and gain no time.
+    Set("ba_min_num_residuals_for_multi_threading", std::numeric_limits<std::int32_t>::max());
+    return Set("num_threads", threads);
+  }
+  const std::vector<std::string>& Arguments() const { return arguments_; }
+
+ private:
+  CommandLine& Add(const std::string& name, const std::string& value) {
+    arguments_.push_back(name);
+    arguments_.push_back(value);
+    return *this;
+  }
+
+  std::vector<std::string> arguments_;
+};
+
+void SetAll(const MapperOptions& options, CommandLine& command) {
+  command.Set("min_num_matches", options.min_num_matches)
+      .Set("multiple_models", options.multiple_models)
+      .Set("min_model_size", options.min_model_size)
+      .Set("init_min_tri_angle", options.init_min_tri_angle_deg)
+      .Set("ba_local_num_images", options.ba_local_num_images)
+      .Set("ba_local_max_refinements", options.ba_local_max_refinements)
+      .Set("ba_local_function_tolerance", options.ba_local_function_tolerance)
+      .Set("ba_global_images_ratio", options.ba_global_images_ratio)
+      .Set("ba_global_points_ratio", options.ba_global_points_ratio)
+      .Set("ba_global_max_refinements", options.ba_global_max_refinements)
+      .Set("ba_global_max_num_iterations", options.ba_global_max_num_iterations)
+      .Set("ba_global_function_tolerance", options.ba_global_function_tolerance)
+      .Set("abs_pose_max_error", options.abs_pose_max_error_px)
+      .Set("abs_pose_min_num_inliers", options.abs_pose_min_num_inliers)
+      .Set("abs_pose_min_inlier_ratio", options.abs_pose_min_inlier_ratio)
+      .Set("filter_max_reproj_error", options.filter_max_reproj_error_px)
+      .Set("filter_min_tri_angle", options.tri_min_angle_deg)
+      .Set("tri_min_angle", options.tri_min_angle_deg)
+      .Set("tri_ignore_two_view_tracks", options.tri_ignore_two_view_tracks);
+}
+
+void SetAll(const TriangulatorOptions& options, CommandLine& command) {
+  command.Set("min_num_matches", options.min_num_matches)
+      .Set("tri_create_max_angle_error", options.tri_create_max_angle_error_deg)
+      .Set("tri_continue_max_angle_error", options.tri_continue_max_angle_error_deg)
+      .Set("tri_re_max_angle_error", options.tri_re_max_angle_error_deg)
+      .Set("tri_merge_max_reproj_error", options.tri_merge_max_reproj_error_px)
+      .Set("tri_complete_max_reproj_error", options.tri_complete_max_reproj_error_px)
+      .Set("filter_max_reproj_error", options.filter_max_reproj_error_px)
+      .Set("filter_min_tri_angle", options.tri_min_angle_deg)
+      .Set("tri_min_angle", options.tri_min_angle_deg)
+      .Set("ba_global_max_refinements", options.ba_global_max_refinements)
+      .Set("ba_global_max_num_iterations", options.ba_global_max_num_iterations)
+      .Set("ba_global_function_tolerance", options.ba_global_function_tolerance)
+      .Set("tri_ignore_two_view_tracks", options.tri_ignore_two_view_tracks);
+}
+
+void RequireRange(const std::string& name, double value, double low, double high) {
+  RequireOption(value >= low && value <= high, name, fmt::format("{} to {}", low, high), value);
+}
+
+void RequireAtLeast(const std::string& name, double value, double low) {
+  RequireOption(value >= low, name, fmt::format("at least {}", low), value);
+}
+
+void PrepareFolders(const std::filesystem::path& images, const std::filesystem::path& output) {
+  try {
+    std::filesystem::create_directories(images);
+    std::filesystem::remove_all(output);
+    std::filesystem::create_directories(output);
+  } catch (const std::filesystem::filesystem_error& error) {
+    throw DataError(
+        fmt::format("{}: cannot be prepared: {}", error.path1().string(), error.code().message()));
+  }
+}
+
+ProcessRequest MakeProcess(const ColmapInstallation& colmap, const CommandLine& command,
+                           const std::filesystem::path& log, int threads) {
+  return {
+      .program = colmap.path,
+      .arguments = command.Arguments(),
+      .log_path = log,
+      // Eigen, Ceres and BLAS below COLMAP: together no more than their share.
+      .environment = {{"OMP_NUM_THREADS", std::to_string(threads)}, {"OPENBLAS_NUM_THREADS", "1"}}};
+}
+
+// 3.8 prints "Registering image #ID (K)" as it adds the K-th image of a model.
+std::optional<int> ParseRegistered(const std::string& line) {
+  static const std::regex kRegistering("Registering image #[0-9]+ \\(([0-9]{1,9})\\)");
+  std::smatch match;
+  if (!std::regex_search(line, match, kRegistering)) return std::nullopt;
+  return std::stoi(match[1]);
+}
+
+std::vector<std::filesystem::path> NumberedModels(const std::filesystem::path& output) {
+  std::vector<std::filesystem::path> folders;
+  while (HasModel(output / std::to_string(folders.size()))) {
+    folders.push_back(output / std::to_string(folders.size()));
+  }
+  return folders;
+}
+
+}  // namespace
+
+OptionFields MapperOptions::Fields() {
+  return {{"min_num_matches", &min_num_matches},
+          {"multiple_models", &multiple_models},
+          {"min_model_size", &min_model_size},
+          {"init_min_tri_angle_deg", &init_min_tri_angle_deg},
+          {"ba_local_num_images", &ba_local_num_images},
+          {"ba_local_max_refinements", &ba_local_max_refinements},
+          {"ba_local_function_tolerance", &ba_local_function_tolerance},
+          {"ba_global_images_ratio", &ba_global_images_ratio},
+          {"ba_global_points_ratio", &ba_global_points_ratio},
+          {"ba_global_max_refinements", &ba_global_max_refinements},
+          {"ba_global_max_num_iterations", &ba_global_max_num_iterations},
+          {"ba_global_function_tolerance", &ba_global_function_tolerance},
+          {"abs_pose_max_error_px", &abs_pose_max_error_px},
+          {"abs_pose_min_num_inliers", &abs_pose_min_num_inliers},
+          {"abs_pose_min_inlier_ratio", &abs_pose_min_inlier_ratio},
+          {"filter_max_reproj_error_px", &filter_max_reproj_error_px},
+          {"tri_min_angle_deg", &tri_min_angle_deg},
+          {"tri_ignore_two_view_tracks", &tri_ignore_two_view_tracks}};
+}
+
+void MapperOptions::Validate() const {
+  RequireAtLeast("min_num_matches", min_num_matches, 1);
+  RequireAtLeast("min_model_size", min_model_size, 2);
+  RequireRange("init_min_tri_angle_deg", init_min_tri_angle_deg, 0.0, kMaxAngle_deg);
+  RequireAtLeast("ba_local_num_images", ba_local_num_images, 2);
+  RequireAtLeast("ba_local_max_refinements", ba_local_max_refinements, 1);
+  RequireRange("ba_local_function_tolerance", ba_local_function_tolerance, 0.0, 0.1);
+  RequireAtLeast("ba_global_images_ratio", ba_global_images_ratio, 1.01);
+  RequireAtLeast("ba_global_points_ratio", ba_global_points_ratio, 1.01);
+  RequireAtLeast("ba_global_max_refinements", ba_global_max_refinements, 1);
+  RequireAtLeast("ba_global_max_num_iterations", ba_global_max_num_iterations, 1);
+  RequireRange("ba_global_function_tolerance", ba_global_function_tolerance, 0.0, 0.1);
+  RequireRange("abs_pose_max_error_px", abs_pose_max_error_px, 0.1, kMaxError_px);
+  RequireAtLeast("abs_pose_min_num_inliers", abs_pose_min_num_inliers, 6);
+  RequireRange("abs_pose_min_inlier_ratio", abs_pose_min_inlier_ratio, 0.0, 1.0);
+  RequireRange("filter_max_reproj_error_px", filter_max_reproj_error_px, 0.1, kMaxError_px);
+  RequireRange("tri_min_angle_deg", tri_min_angle_deg, 0.0, kMaxAngle_deg);
+}
+
+MapperOptions StockMapperOptions() {
+  MapperOptions options;
+  options.ba_local_num_images = 6;
+  options.ba_local_max_refinements = 2;
+  options.ba_local_function_tolerance = 0.0;
+  options.ba_global_images_ratio = 1.1;
+  options.ba_global_points_ratio = 1.1;
+  options.ba_global_max_refinements = 5;
+  options.ba_global_max_num_iterations = 50;
+  options.ba_global_function_tolerance = 0.0;
+  options.tri_ignore_two_view_tracks = true;
+  return options;
+}
+
+std::vector<std::filesystem::path> RunMapper(const ColmapInstallation& colmap,
+                                             const MapperOptions& options,
+                                             const MapperRequest& request) {
+  PrepareFolders(request.images, request.output);
+  // A run that continues a model writes into the output folder itself, any other into 0/, 1/, ...
+  const auto written_to = request.seed ? request.output / "0" : request.output;
+  std::filesystem::create_directories(written_to);
+  CommandLine command("mapper");
+  command.Path("database_path", request.database)
+      .Path("image_path", request.images)
+      .Path("output_path", written_to);
+  if (request.seed) command.Path("input_path", *request.seed);
+  command.SetFixed(request.threads);
+  SetAll(options, command);
+  ProcessRequest process = MakeProcess(colmap, command, request.log, request.threads);
+  process.on_line = [&](const std::string& line) {
+    const auto registered = ParseRegistered(line);
+    if (registered && request.on_progress) request.on_progress(*registered);
+  };
+  const ProcessResult result = RunTool(process, "incremental mapping");
+  auto models = NumberedModels(request.output);
+  if (models.empty()) {
+    throw ToolError(fmt::format("incremental mapping: expected a model in {}, found none {}",
+                                request.output.string(), DescribeOutput(process, result)));
+  }
+  return models;
+}
+
+OptionFields TriangulatorOptions::Fields() {
+  return {{"min_num_matches", &min_num_matches},
+          {"tri_create_max_angle_error_deg", &tri_create_max_angle_error_deg},
+          {"tri_continue_max_angle_error_deg", &tri_continue_max_angle_error_deg},
+          {"tri_re_max_angle_error_deg", &tri_re_max_angle_error_deg},
+          {"tri_merge_max_reproj_error_px", &tri_merge_max_reproj_error_px},
+          {"tri_complete_max_reproj_error_px", &tri_complete_max_reproj_error_px},
+          {"filter_max_reproj_error_px", &filter_max_reproj_error_px},
+          {"tri_min_angle_deg", &tri_min_angle_deg},
+          {"ba_global_max_refinements", &ba_global_max_refinements},
+          {"ba_global_max_num_iterations", &ba_global_max_num_iterations},
+          {"ba_global_function_tolerance", &ba_global_function_tolerance},
+          {"tri_ignore_two_view_tracks", &tri_ignore_two_view_tracks}};
+}
+
+void TriangulatorOptions::Validate() const {
+  RequireAtLeast("min_num_matches", min_num_matches, 1);
+  RequireRange("tri_create_max_angle_error_deg", tri_create_max_angle_error_deg, 0.01,
+               kMaxAngle_deg);
+  RequireRange("tri_continue_max_angle_error_deg", tri_continue_max_angle_error_deg, 0.01,
+               kMaxAngle_deg);
+  RequireRange("tri_re_max_angle_error_deg", tri_re_max_angle_error_deg, 0.01, kMaxAngle_deg);
+  RequireRange("tri_merge_max_reproj_error_px", tri_merge_max_reproj_error_px, 0.1, kMaxError_px);
+  RequireRange("tri_complete_max_reproj_error_px", tri_complete_max_reproj_error_px, 0.1,
+               kMaxError_px);
+  RequireRange("filter_max_reproj_error_px", filter_max_reproj_error_px, 0.1, kMaxError_px);
+  RequireRange("tri_min_angle_deg", tri_min_angle_deg, 0.0, kMaxAngle_deg);
+  RequireAtLeast("ba_global_max_refinements", ba_global_max_refinements, 1);
+  RequireAtLeast("ba_global_max_num_iterations", ba_global_max_num_iterations, 1);
+  RequireRange("ba_global_function_tolerance", ba_global_function_tolerance, 0.0, 0.1);
+}
+
+void RunPointTriangulator(const ColmapInstallation& colmap, const TriangulatorOptions& options,
+                          const TriangulatorRequest& request) {
+  PrepareFolders(request.images, request.output);
+  CommandLine command("point_triangulator");
+  command.Path("database_path", request.database)
+      .Path("image_path", request.images)
+      .Path("input_path", request.input_model)
+      .Path("output_path", request.output)
+      .SetFixed(request.threads);
+  SetAll(options, command);
+  command.Flag("clear_points", true);
+  const ProcessRequest process = MakeProcess(colmap, command, request.log, request.threads);
+  const ProcessResult result = RunTool(process, "triangulating points");
+  if (HasModel(request.output)) return;
+  throw ToolError(fmt::format("triangulating points: expected a model in {}, found none {}",
+                              request.output.string(), DescribeOutput(process, result)));
+}
+
+}  // namespace rigmap

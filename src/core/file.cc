@@ -1,0 +1,98 @@
+#include "core/file.h"
+
+#include <fmt/format.h>
+
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <sstream>
+
+#include "core/error.h"
+
+namespace rigmap {
+namespace {
+
+constexpr const char* kTemporarySuffix = ".unfinished";
+
+std::filesystem::path TemporaryBeside(const std::filesystem::path& path) {
+  return path.parent_path() / (path.filename().string() + kTemporarySuffix);
+}
+
+void CreateParent(const std::filesystem::path& path) {
+  std::error_code code;
+  if (path.has_parent_path()) std::filesystem::create_directories(path.parent_path(), code);
+  if (code) {
+    throw DataError(fmt::format("{}: cannot create the folder: {}", path.parent_path().string(),
+                                code.message()));
+  }
+}
+
+void Rename(const std::filesystem::path& from, const std::filesystem::path& to) {
+  std::error_code code;
+  std::filesystem::rename(from, to, code);
+  if (code) throw DataError(fmt::format("{}: cannot write: {}", to.string(), code.message()));
+}
+
+}  // namespace
+
+std::string ReadTextFile(const std::filesystem::path& path) {
+  std::error_code ignored;
+  if (std::filesystem::is_directory(path, ignored)) {
+    throw DataError(fmt::format("{}: expected a file, found a folder", path.string()));
+  }
+  std::ifstream stream(path, std::ios::binary);
+  std::ostringstream text;
+  if (stream) text << stream.rdbuf();
+  if (!stream) {
+    throw DataError(fmt::format("{}: cannot read: {}", path.string(), std::strerror(errno)));
+  }
+  return text.str();
+}
+
+void WriteFileAtomically(const std::filesystem::path& path,
+                         const std::function<void(std::ostream&)>& write) {
+  CreateParent(path);
+  const auto temporary = TemporaryBeside(path);
+  try {
+    errno = 0;
+    std::ofstream stream(temporary, std::ios::binary | std::ios::trunc);
+    if (stream) write(stream);
+    stream.close();
+    if (!stream) {
+      throw DataError(fmt::format("{}: cannot write: {}", path.string(), std::strerror(errno)));
+    }
+    Rename(temporary, path);
+  } catch (...) {
+    std::error_code ignored;
+    std::filesystem::remove(temporary, ignored);
+    throw;
+  }
+}
+
+void WriteFolderAtomically(const std::filesystem::path& path,
+                           const std::function<void(const std::filesystem::path&)>& fill) {
+  CreateParent(path);
+  const auto temporary = TemporaryBeside(path);
+  const auto previous = TemporaryBeside(path.string() + ".previous");
+  std::error_code ignored;
+  std::filesystem::remove_all(temporary, ignored);
+  std::filesystem::remove_all(previous, ignored);
+  try {
+    CreateParent(temporary / "inside");
+    fill(temporary);
+    // Moved away, not removed in place: nobody may see a half-removed folder either.
+    if (std::filesystem::exists(path, ignored)) Rename(path, previous);
+    Rename(temporary, path);
+    std::filesystem::remove_all(previous, ignored);
+  } catch (...) {
+    if (!std::filesystem::exists(path, ignored)) std::filesystem::rename(previous, path, ignored);
+    std::filesystem::remove_all(temporary, ignored);
+    throw;
+  }
+}
+
+bool IsTemporaryName(const std::string& name) {
+  return std::filesystem::path(name).extension() == kTemporarySuffix;
+}
+
+}  // namespace rigmap

@@ -1,0 +1,63 @@
+#include "core/progress.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cstdio>
+
+namespace rigmap {
+namespace {
+
+std::atomic<bool> g_quiet = false;
+constexpr auto kBarInterval = std::chrono::milliseconds(100);
+constexpr auto kLineInterval = std::chrono::seconds(5);
+constexpr std::size_t kBarWidth = 30;
+
+}  // namespace
+
+void SetProgressQuiet(bool quiet) { g_quiet = quiet; }
+
+Progress::Progress(std::string label, std::size_t total)
+    : label_(std::move(label)),
+      total_(total),
+      start_(std::chrono::steady_clock::now()),
+      shown_(start_) {}
+
+Progress::~Progress() { Show(true); }
+
+void Progress::Advance(std::size_t steps) {
+  const std::lock_guard lock(mutex_);
+  done_ += steps;
+  Show(false);
+}
+
+void Progress::Set(std::size_t done) {
+  const std::lock_guard lock(mutex_);
+  done_ = done;
+  Show(false);
+}
+
+void Progress::Show(bool final) {
+  if (g_quiet) return;
+  static const bool terminal = isatty(STDERR_FILENO) != 0;
+  const auto now = std::chrono::steady_clock::now();
+  if (!final && now - shown_ < (terminal ? std::chrono::nanoseconds(kBarInterval)
+                                         : std::chrono::nanoseconds(kLineInterval))) {
+    return;
+  }
+  shown_ = now;
+  const double seconds = std::chrono::duration<double>(now - start_).count();
+  const auto done = std::min(done_, total_);
+  if (terminal) {
+    const std::size_t filled = total_ ? kBarWidth * done / total_ : kBarWidth;
+    fmt::print(stderr, "\r{:<12} [{}{}] {}/{} {:.1f} s{}", label_, std::string(filled, '#'),
+               std::string(kBarWidth - filled, ' '), done, total_, seconds, final ? "\n" : "");
+  } else {
+    fmt::print(stderr, "{}: {}/{} ({:.1f} s)\n", label_, done, total_, seconds);
+  }
+  std::fflush(stderr);
+}
+
+}  // namespace rigmap

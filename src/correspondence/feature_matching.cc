@@ -1,0 +1,125 @@
+#include "correspondence/feature_matching.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <unordered_map>
+
+namespace rigmap {
+namespace {
+
+int SquaredDistance(const Descriptor& a, const Descriptor& b) {
+  int sum = 0;
+  for (int i = 0; i < kDescriptorSize; ++i) {
+    const int difference = static_cast<int>(a[i]) - static_cast<int>(b[i]);
+    sum += difference * difference;
+  }
+  return sum;
+}
+
+struct Best {
+  int index = -1;
+  int distance = std::numeric_limits<int>::max();
+  int second = std::numeric_limits<int>::max();
+
+  void Offer(int candidate, int squared) {
+    if (squared < distance) {
+      second = distance;
+      distance = squared;
+      index = candidate;
+    } else {
+      second = std::min(second, squared);
+    }
+  }
+};
+
+// Features of a frame by the cell their left pixel falls into; cells are as wide as the radius, so
+// that the nine around a place hold everything within it.
+class PixelGrid {
+ public:
+  PixelGrid(const std::vector<Feature>& features, double cell_px) : cell_px_(cell_px) {
+    for (std::size_t i = 0; i < features.size(); ++i) {
+      cells_[Key(Column(features[i].left.x()), Column(features[i].left.y()))].push_back(
+          static_cast<int>(i));
+    }
+  }
+
+  template <class Visit>
+  void Near(const Eigen::Vector2d& pixel, const Visit& visit) const {
+    const int x = Column(pixel.x()), y = Column(pixel.y());
+    for (int dy = -1; dy <= 1; ++dy) {
+      for (int dx = -1; dx <= 1; ++dx) {
+        const auto cell = cells_.find(Key(x + dx, y + dy));
+        if (cell == cells_.end()) continue;
+        for (int index : cell->second) visit(index);
+      }
+    }
+  }
+
+ private:
+  // A point beside the camera may be predicted anywhere, out of an int's range too.
+  int Column(double at) const {
+    constexpr double kFarCell = 1e9;
+    return static_cast<int>(std::clamp(std::floor(at / cell_px_), -kFarCell, kFarCell));
+  }
+  static std::int64_t Key(int x, int y) { return (std::int64_t{y} << 32) ^ std::uint32_t(x); }
+
+  double cell_px_;
+  std::unordered_map<std::int64_t, std::vector<int>> cells_;
+};
+
+// `ForCandidates(i, visit)` calls visit(j) for every feature j of b that feature i of a may match.
+template <class ForCandidates>
+std::vector<FeatureMatch> MutualBest(const FrameFeatures& a, const FrameFeatures& b,
+                                     const ForCandidates& for_candidates,
+                                     const FeatureMatchOptions& options) {
+  std::vector<Best> of_a(a.descriptors.size()), of_b(b.descriptors.size());
+  for (std::size_t i = 0; i < a.descriptors.size(); ++i) {
+    for_candidates(i, [&](int j) {
+      const int squared = SquaredDistance(a.descriptors[i], b.descriptors[j]);
+      of_a[i].Offer(j, squared);
+      of_b[j].Offer(static_cast<int>(i), squared);
+    });
+  }
+  const double max_squared = options.max_distance * options.max_distance;
+  const double max_squared_ratio = options.max_ratio * options.max_ratio;
+  std::vector<FeatureMatch> matches;
+  for (std::size_t i = 0; i < of_a.size(); ++i) {
+    const Best& best = of_a[i];
+    if (best.index < 0 || of_b[best.index].index != static_cast<int>(i)) continue;
+    if (best.distance > max_squared) continue;
+    // "Not less" rather than "more": of two perfect twins neither is the one.
+    if (best.distance >= max_squared_ratio * std::min(best.second, of_b[best.index].second)) {
+      continue;
+    }
+    matches.push_back({static_cast<int>(i), best.index});
+  }
+  return matches;
+}
+
+}  // namespace
+
+std::vector<FeatureMatch> MatchFeatures(const FrameFeatures& a, const FrameFeatures& b,
+                                        const FeatureMatchOptions& options) {
+  const auto all = [&](std::size_t, const auto& visit) {
+    for (std::size_t j = 0; j < b.descriptors.size(); ++j) visit(static_cast<int>(j));
+  };
+  return MutualBest(a, b, all, options);
+}
+
+std::vector<FeatureMatch> MatchFeatures(
+    const FrameFeatures& a, const FrameFeatures& b,
+    std::span<const std::optional<Eigen::Vector2d>> predicted_in_b, double radius_px,
+    const FeatureMatchOptions& options) {
+  const PixelGrid grid(b.features, radius_px);
+  const auto near_prediction = [&](std::size_t i, const auto& visit) {
+    if (!predicted_in_b[i]) return;
+    grid.Near(*predicted_in_b[i], [&](int j) {
+      if ((b.features[j].left - *predicted_in_b[i]).squaredNorm() <= radius_px * radius_px)
+        visit(j);
+    });
+  };
+  return MutualBest(a, b, near_prediction, options);
+}
+
+}  // namespace rigmap

@@ -1,0 +1,162 @@
+#include "correspondence/patch_alignment.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+#include <array>
+#include <cmath>
+
+namespace rigmap {
+namespace {
+
+using Vector6 = Eigen::Matrix<double, 6, 1>;
+using Matrix6 = Eigen::Matrix<double, 6, 6>;
+constexpr int kMaxRadius = 10;
+constexpr int kMaxSamples = (2 * kMaxRadius + 1) * (2 * kMaxRadius + 1);
+
+// The template: grey values normalised to zero weighted mean and unit variance, and what a change
+// of each warp parameter does to them.
+struct Template {
+  int count = 0;
+  double weight_sum = 0.0;
+  std::array<Eigen::Vector2d, kMaxSamples> offset;
+  std::array<double, kMaxSamples> grey, weight;
+  std::array<Vector6, kMaxSamples> gradient;
+  Matrix6 hessian = Matrix6::Zero();
+};
+
+// Normalises `grey` in place; the standard deviation found, or nothing for a flat window.
+std::optional<double> Normalise(const Template& window, std::array<double, kMaxSamples>& grey) {
+  double mean = 0.0, square = 0.0;
+  for (int i = 0; i < window.count; ++i) mean += window.weight[i] * grey[i];
+  mean /= window.weight_sum;
+  for (int i = 0; i < window.count; ++i) {
+    grey[i] -= mean;
+    square += window.weight[i] * grey[i] * grey[i];
+  }
+  constexpr double kFlatGrey = 1.0;  // below one grey level there is only quantisation
+  const double deviation = std::sqrt(square / window.weight_sum);
+  if (!(deviation > kFlatGrey)) return std::nullopt;
+  for (int i = 0; i < window.count; ++i) grey[i] /= deviation;
+  return deviation;
+}
+
+bool Inside(const GreyView& image, const Eigen::Vector2i& centre, int radius) {
+  return centre.x() >= radius && centre.y() >= radius && centre.x() + radius < image.width &&
+         centre.y() + radius < image.height;
+}
+
+// What of the gradient only changes mean or deviation is undone by the normalisation: without taking
+// it off, steps are too short and the search stops before the place.
+void TakeOffBrightness(Template& window) {
+  Vector6 mean = Vector6::Zero(), along = Vector6::Zero();
+  for (int i = 0; i < window.count; ++i) {
+    mean += window.weight[i] / window.weight_sum * window.gradient[i];
+    along += window.weight[i] / window.weight_sum * window.grey[i] * window.gradient[i];
+  }
+  for (int i = 0; i < window.count; ++i) window.gradient[i] -= mean + window.grey[i] * along;
+}
+
+bool MakeTemplate(const GreyView& source, const Eigen::Vector2i& centre, int radius,
+                  Template& window) {
+  if (radius > kMaxRadius - 1 || !Inside(source, centre, radius + 1)) return false;
+  const double spread = 0.7 * radius;
+  const std::uint8_t* middle = source.data + centre.y() * source.stride + centre.x();
+  std::array<Eigen::Vector2d, kMaxSamples> slope;
+  for (int y = -radius; y <= radius; ++y) {
+    for (int x = -radius; x <= radius; ++x) {
+      const std::uint8_t* pixel = middle + y * source.stride + x;
+      const int i = window.count++;
+      window.offset[i] = {x, y};
+      window.grey[i] = *pixel;
+      window.weight[i] = std::exp(-0.5 * (x * x + y * y) / (spread * spread));
+      window.weight_sum += window.weight[i];
+      slope[i] = {0.5 * (pixel[1] - pixel[-1]),
+                  0.5 * (pixel[source.stride] - pixel[-source.stride])};
+    }
+  }
+  const std::optional<double> deviation = Normalise(window, window.grey);
+  if (!deviation) return false;
+  for (int i = 0; i < window.count; ++i) {
+    const Eigen::Vector2d g = slope[i] / *deviation;
+    const Eigen::Vector2d& u = window.offset[i];
+    window.gradient[i] << g.x() * u.x(), g.x() * u.y(), g.y() * u.x(), g.y() * u.y(), g.x(), g.y();
+  }
+  TakeOffBrightness(window);
+  for (int i = 0; i < window.count; ++i) {
+    window.hessian += window.weight[i] * window.gradient[i] * window.gradient[i].transpose();
+  }
+  return true;
+}
+
+// Bilinear samples of the target under the warp; false where one falls outside.
+bool Sample(const GreyView& target, const Template& window, const PatchWarp& warp,
+            std::array<double, kMaxSamples>& grey) {
+  for (int i = 0; i < window.count; ++i) {
+    const Eigen::Vector2d x = warp.position + warp.linear * window.offset[i];
+    if (!(x.x() >= 0.0 && x.y() >= 0.0 && x.x() < target.width - 1 && x.y() < target.height - 1)) {
+      return false;
+    }
+    const int column = static_cast<int>(x.x()), row = static_cast<int>(x.y());
+    const double a = x.x() - column, b = x.y() - row;
+    const std::uint8_t* p = target.data + row * target.stride + column;
+    grey[i] = (1.0 - b) * ((1.0 - a) * p[0] + a * p[1]) +
+              b * ((1.0 - a) * p[target.stride] + a * p[target.stride + 1]);
+  }
+  return true;
+}
+
+// warp := warp o (increment)^-1
+void Compose(PatchWarp& warp, const Vector6& step) {
+  Eigen::Matrix2d linear;
+  linear << 1.0 + step(0), step(1), step(2), 1.0 + step(3);
+  const Eigen::Matrix2d inverse = linear.inverse();
+  warp.position -= warp.linear * (inverse * step.tail<2>());
+  warp.linear = warp.linear * inverse;
+}
+
+bool Strayed(const PatchWarp& warp, const PatchWarp& start, const PatchAlignmentOptions& options) {
+  return !((warp.position - start.position).norm() <= options.max_shift_px) ||
+         !((warp.linear - start.linear).cwiseAbs().maxCoeff() <= options.max_stretch);
+}
+
+double PositionSigma(const Matrix6& hessian, double residual_square, const Template& window) {
+  const Matrix6 covariance = hessian.inverse() * (residual_square / window.weight_sum);
+  const Eigen::Matrix2d position = covariance.bottomRightCorner<2, 2>();
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> eigen(position, Eigen::EigenvaluesOnly);
+  return std::sqrt(std::max(0.0, eigen.eigenvalues()(1)));
+}
+
+}  // namespace
+
+std::optional<PatchAlignment> AlignPatch(const GreyView& source, const Eigen::Vector2i& centre,
+                                         const GreyView& target, const PatchWarp& start,
+                                         const PatchAlignmentOptions& options) {
+  Template window;
+  if (!MakeTemplate(source, centre, options.radius_px, window)) return std::nullopt;
+  const Eigen::LDLT<Matrix6> solver(window.hessian);
+  if (solver.info() != Eigen::Success || !(solver.rcond() > 1e-8)) return std::nullopt;
+  PatchAlignment result{.warp = start};
+  std::array<double, kMaxSamples> grey;
+  for (int iteration = 0; iteration < options.max_iterations; ++iteration) {
+    if (!Sample(target, window, result.warp, grey) || !Normalise(window, grey)) return std::nullopt;
+    Vector6 gradient = Vector6::Zero();
+    double square = 0.0;
+    for (int i = 0; i < window.count; ++i) {
+      const double residual = grey[i] - window.grey[i];
+      gradient += window.weight[i] * residual * window.gradient[i];
+      square += window.weight[i] * residual * residual;
+    }
+    const Vector6 step = solver.solve(gradient);
+    Compose(result.warp, step);
+    if (Strayed(result.warp, start, options)) return std::nullopt;
+    if (step.tail<2>().norm() < options.converged_px) {
+      result.correlation = 1.0 - 0.5 * square / window.weight_sum;
+      result.sigma_px = PositionSigma(window.hessian, square, window);
+      return result;
+    }
+  }
+  return std::nullopt;
+}
+
+}  // namespace rigmap

@@ -1,0 +1,46 @@
+// Where a small grey patch lies in another image, to a few hundredths of a pixel.
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <optional>
+
+namespace rigmap {
+
+// Grey pixels that somebody else owns; row y starts at data + y * stride. Pixel centres are at
+// integers.
+struct GreyView {
+  const std::uint8_t* data = nullptr;
+  int width = 0, height = 0;
+  int stride = 0;
+};
+
+// Maps offsets from the template's centre into the target: x = position + linear * offset.
+struct PatchWarp {
+  Eigen::Matrix2d linear = Eigen::Matrix2d::Identity();
+  Eigen::Vector2d position = Eigen::Vector2d::Zero();  // px in the target
+};
+
+struct PatchAlignmentOptions {
+  int radius_px = 6;  // of the window; 13 x 13 pixels hold the six parameters on sand
+  int max_iterations = 20;
+  double converged_px = 0.001;
+  double max_shift_px = 3.0;  // a window that moves further has found something else
+  double max_stretch = 0.5;   // largest change of the linear part (any entry) from its start
+};
+
+struct PatchAlignment {
+  PatchWarp warp;
+  double correlation = 0.0;  // zero-mean normalised, -1 to 1
+  double sigma_px = 0.0;     // of the position along its worse direction, from residual and texture
+};
+
+// Aligns the window around the integer pixel (centre_x, centre_y) of `source` with `target`, under
+// an affine warp and a free gain and offset of brightness: inverse compositional Gauss-Newton
+// (Baker and Matthews 2004), with both windows normalised to zero mean and unit variance.
+// Nothing where the window leaves an image, has no texture in two directions or does not converge.
+std::optional<PatchAlignment> AlignPatch(const GreyView& source, const Eigen::Vector2i& centre,
+                                         const GreyView& target, const PatchWarp& start,
+                                         const PatchAlignmentOptions& options);
+
+}  // namespace rigmap

@@ -1,0 +1,33 @@
+#include "correspondence/stereo_points.h"
+
+#include "geometry/triangulation.h"
+
+namespace rigmap {
+
+std::vector<NormalisedFeature> NormaliseFeatures(const std::vector<Feature>& features,
+                                                 const StereoRig& rig) {
+  std::vector<NormalisedFeature> result;
+  for (const Feature& feature : features) {
+    NormalisedFeature& normalised = result.emplace_back();
+    normalised.left = Undistort(rig.left.camera, feature.left);
+    if (feature.right) normalised.right = Undistort(rig.right.camera, *feature.right);
+  }
+  return result;
+}
+
+std::vector<std::optional<StereoPoint>> TriangulateFeatures(const std::vector<Feature>& features,
+                                                            const StereoRig& rig,
+                                                            double disparity_noise_px) {
+  const double metres_per_square_metre =
+      disparity_noise_px / (rig.left.camera.MeanFocal() * rig.Baseline());
+  std::vector<std::optional<StereoPoint>> points;
+  for (const NormalisedFeature& feature : NormaliseFeatures(features, rig)) {
+    auto& point = points.emplace_back();
+    if (!feature.left || !feature.right) continue;
+    const auto x = TriangulateStereo(rig.right_from_left, *feature.left, *feature.right);
+    if (x) point = StereoPoint{*x, metres_per_square_metre * x->z() * x->norm()};
+  }
+  return points;
+}
+
+}  // namespace rigmap

@@ -1,0 +1,214 @@
+#include "correspondence/stereo_pose.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <opencv2/calib3d.hpp>
+#include <random>
+
+namespace rigmap {
+namespace {
+
+using Vector4 = Eigen::Vector4d;
+
+// Residual (normalised coordinates, left then right; right rows zero where unseen), its Jacobian
+// for a left perturbation, and how it answers to the depth of the point.
+struct Linearised {
+  Vector4 residual = Vector4::Zero();
+  Eigen::Matrix<double, 4, 6> jacobian = Eigen::Matrix<double, 4, 6>::Zero();
+  Vector4 depth_response = Vector4::Zero();  // for one sigma of depth
+};
+
+Eigen::Matrix<double, 2, 3> ProjectionJacobian(const Eigen::Vector3d& x) {
+  Eigen::Matrix<double, 2, 3> j;
+  j << 1.0 / x.z(), 0.0, -x.x() / (x.z() * x.z()), 0.0, 1.0 / x.z(), -x.y() / (x.z() * x.z());
+  return j;
+}
+
+class PoseProblem {
+ public:
+  PoseProblem(std::span<const PointSighting> sightings, const StereoRig& rig,
+              const StereoPoseOptions& options)
+      : sightings_(sightings),
+        rig_(rig),
+        options_(options),
+        noise_(options.noise_px / rig.left.camera.MeanFocal()) {}
+
+  // Nothing for a point that falls behind a camera.
+  std::optional<Linearised> Linearise(const PointSighting& sighting, const Rigid3& motion) const {
+    const Eigen::Vector3d in_left = motion * sighting.x_in_reference;
+    const Eigen::Vector3d in_right = rig_.right_from_left * in_left;
+    if (!(in_left.z() > 0.0) || !(in_right.z() > 0.0)) return std::nullopt;
+    const Eigen::Vector3d ray = sighting.x_in_reference.normalized() * sighting.depth_sigma_m;
+    const Eigen::Vector3d depth_step = motion.rotation * ray;
+    Eigen::Matrix<double, 3, 6> motion_jacobian;
+    motion_jacobian << Eigen::Matrix3d::Identity(), -Skew(in_left);
+    Linearised result;
+    const Eigen::Matrix<double, 2, 3> left = ProjectionJacobian(in_left);
+    result.residual.head<2>() = in_left.hnormalized() - sighting.left;
+    result.jacobian.topRows<2>() = left * motion_jacobian;
+    result.depth_response.head<2>() = left * depth_step;
+    if (sighting.right) {
+      const Eigen::Matrix<double, 2, 3> right =
+          ProjectionJacobian(in_right) * rig_.right_from_left.rotation.toRotationMatrix();
+      result.residual.tail<2>() = in_right.hnormalized() - *sighting.right;
+      result.jacobian.bottomRows<2>() = right * motion_jacobian;
+      result.depth_response.tail<2>() = right * depth_step;
+    }
+    return result;
+  }
+
+  // Inverse covariance noise^2 I + d d^T of the residual, by Sherman and Morrison.
+  Eigen::Matrix4d Information(const Linearised& at) const {
+    const double variance = noise_ * noise_;
+    const Vector4& d = at.depth_response;
+    return (Eigen::Matrix4d::Identity() - d * d.transpose() / (variance + d.squaredNorm())) /
+           variance;
+  }
+
+  // Squared distance in sigmas per seen eye; infinite behind a camera.
+  double SquaredSigmas(const PointSighting& sighting, const Rigid3& motion) const {
+    const auto at = Linearise(sighting, motion);
+    if (!at) return std::numeric_limits<double>::infinity();
+    return at->residual.dot(Information(*at) * at->residual) / (sighting.right ? 2.0 : 1.0);
+  }
+
+  double MaxSquared() const { return options_.max_sigmas * options_.max_sigmas; }
+
+  // Sum of truncated squares: less is better (MSAC, Torr and Zisserman 2000).
+  double Cost(const Rigid3& motion) const {
+    double cost = 0.0;
+    for (const auto& sighting : sightings_) {
+      cost += std::min(SquaredSigmas(sighting, motion), MaxSquared());
+    }
+    return cost;
+  }
+
+  // One iteratively reweighted Gauss-Newton step over sightings within the gate, with Huber
+  // weights; returns the normal matrix, or nothing if it is singular.
+  std::optional<Matrix6d> Step(double gate_squared, Rigid3& motion) const {
+    Matrix6d normal = Matrix6d::Zero();
+    Vector6d gradient = Vector6d::Zero();
+    for (const auto& sighting : sightings_) {
+      const auto at = Linearise(sighting, motion);
+      if (!at) continue;
+      const Eigen::Matrix4d information = Information(*at);
+      const double squared =
+          at->residual.dot(information * at->residual) / (sighting.right ? 2.0 : 1.0);
+      if (squared > gate_squared) continue;
+      constexpr double kHuberSigmas = 1.5;
+      const double weight = std::min(1.0, kHuberSigmas / std::sqrt(std::max(squared, 1e-12)));
+      normal += weight * at->jacobian.transpose() * information * at->jacobian;
+      gradient += weight * at->jacobian.transpose() * information * at->residual;
+    }
+    const Eigen::LDLT<Matrix6d> solver(normal);
+    if (solver.info() != Eigen::Success || !(solver.rcond() > 1e-14)) return std::nullopt;
+    const Vector6d step = -solver.solve(gradient);
+    if (!step.allFinite()) return std::nullopt;
+    motion = Rigid3{ExpRotation(step.tail<3>()), step.head<3>()} * motion;
+    return normal;
+  }
+
+  std::optional<Matrix6d> Refine(Rigid3& motion) const {
+    std::optional<Matrix6d> normal;
+    // The gate starts wide, since a three-point pose is rough, and closes.
+    for (const double widen : {9.0, 4.0, 1.0, 1.0, 1.0, 1.0}) {
+      normal = Step(widen * MaxSquared(), motion);
+      if (!normal) return std::nullopt;
+    }
+    return normal;
+  }
+
+  StereoPose Judge(const Rigid3& motion, const Matrix6d& normal) const {
+    StereoPose result{.current_from_reference = motion, .covariance = normal.inverse()};
+    std::vector<double> errors_px;
+    for (const auto& sighting : sightings_) {
+      const auto at = Linearise(sighting, motion);
+      const bool inlier = at && SquaredSigmas(sighting, motion) <= MaxSquared();
+      result.inliers.push_back(inlier);
+      if (!inlier) continue;
+      ++result.inlier_count;
+      errors_px.push_back(at->residual.head<2>().norm() * rig_.left.camera.MeanFocal());
+    }
+    if (!errors_px.empty()) {
+      const auto middle = errors_px.begin() + static_cast<std::ptrdiff_t>(errors_px.size() / 2);
+      std::nth_element(errors_px.begin(), middle, errors_px.end());
+      result.median_error_px = *middle;
+    }
+    return result;
+  }
+
+ private:
+  std::span<const PointSighting> sightings_;
+  const StereoRig& rig_;
+  const StereoPoseOptions& options_;
+  double noise_;
+};
+
+// Up to four motions that carry three points onto their left sightings.
+std::vector<Rigid3> ThreePointPoses(std::span<const PointSighting> sightings,
+                                    const std::array<int, 3>& sample) {
+  std::vector<cv::Point3d> points;
+  std::vector<cv::Point2d> pixels;
+  for (int index : sample) {
+    const PointSighting& s = sightings[index];
+    points.emplace_back(s.x_in_reference.x(), s.x_in_reference.y(), s.x_in_reference.z());
+    pixels.emplace_back(s.left.x(), s.left.y());
+  }
+  std::vector<cv::Mat> rotations, translations;
+  cv::solveP3P(points, pixels, cv::Mat::eye(3, 3, CV_64F), cv::noArray(), rotations, translations,
+               cv::SOLVEPNP_AP3P);
+  std::vector<Rigid3> poses;
+  for (std::size_t i = 0; i < rotations.size(); ++i) {
+    const cv::Vec3d r = rotations[i], t = translations[i];
+    poses.push_back({ExpRotation({r[0], r[1], r[2]}), {t[0], t[1], t[2]}});
+  }
+  return poses;
+}
+
+std::array<int, 3> DrawSample(std::mt19937& random, int count) {
+  std::uniform_int_distribution<int> draw(0, count - 1);
+  std::array<int, 3> sample{draw(random), draw(random), draw(random)};
+  while (sample[1] == sample[0]) sample[1] = draw(random);
+  while (sample[2] == sample[0] || sample[2] == sample[1]) sample[2] = draw(random);
+  return sample;
+}
+
+}  // namespace
+
+std::optional<StereoPose> EstimateStereoPose(std::span<const PointSighting> sightings,
+                                             const StereoRig& rig, std::span<const Rigid3> guesses,
+                                             const StereoPoseOptions& options) {
+  const int count = static_cast<int>(sightings.size());
+  if (count < std::max(options.min_inliers, 4)) return std::nullopt;
+  const PoseProblem problem(sightings, rig, options);
+  Rigid3 best;
+  double best_cost = std::numeric_limits<double>::infinity();
+  const auto offer = [&](Rigid3 motion, bool refine) {
+    if (refine && !problem.Refine(motion)) return;
+    const double cost = problem.Cost(motion);
+    if (cost < best_cost) {
+      best_cost = cost;
+      best = motion;
+    }
+  };
+  for (const Rigid3& guess : guesses) offer(guess, true);
+  // Enough samples to meet three inliers once with 99.9 %, given the share that the best explains.
+  std::mt19937 random(static_cast<unsigned>(count));
+  for (int sample = 0; sample < options.max_samples; ++sample) {
+    const double inlier_share = 1.0 - std::min(1.0, best_cost / (count * problem.MaxSquared()));
+    const double miss = 1.0 - std::pow(inlier_share, 3);
+    if (miss < 1.0 && sample * std::log(std::max(miss, 1e-9)) < std::log(1e-3)) break;
+    for (const Rigid3& motion : ThreePointPoses(sightings, DrawSample(random, count))) {
+      offer(motion, false);
+    }
+  }
+  if (!std::isfinite(best_cost)) return std::nullopt;
+  const auto normal = problem.Refine(best);
+  if (!normal) return std::nullopt;
+  StereoPose result = problem.Judge(best, *normal);
+  if (result.inlier_count < options.min_inliers) return std::nullopt;
+  return result;
+}
+
+}  // namespace rigmap

@@ -1,0 +1,74 @@
+#include "correspondence/tracks.h"
+
+#include <algorithm>
+#include <numeric>
+
+namespace rigmap {
+namespace {
+
+// Disjoint sets of features that hold at most one feature per frame.
+class TrackSets {
+ public:
+  explicit TrackSets(const std::vector<std::vector<Feature>>& features) {
+    for (const auto& frame : features) {
+      first_.push_back(static_cast<int>(parent_.size()));
+      for (std::size_t i = 0; i < frame.size(); ++i) {
+        const int id = static_cast<int>(parent_.size());
+        parent_.push_back(id);
+        members_.push_back({{static_cast<int>(first_.size()) - 1, static_cast<int>(i)}});
+      }
+    }
+  }
+
+  int IdOf(const FeatureRef& ref) const { return first_[ref.frame] + ref.feature; }
+
+  void Join(const FeatureRef& a, const FeatureRef& b) {
+    int root_a = Root(IdOf(a)), root_b = Root(IdOf(b));
+    if (root_a == root_b) return;
+    if (members_[root_a].size() < members_[root_b].size()) std::swap(root_a, root_b);
+    Track joined;
+    std::merge(members_[root_a].begin(), members_[root_a].end(), members_[root_b].begin(),
+               members_[root_b].end(), std::back_inserter(joined));
+    const auto same_frame = [](const FeatureRef& x, const FeatureRef& y) {
+      return x.frame == y.frame;
+    };
+    if (std::adjacent_find(joined.begin(), joined.end(), same_frame) != joined.end()) return;
+    parent_[root_b] = root_a;
+    members_[root_a] = std::move(joined);
+    members_[root_b] = {};
+  }
+
+  const std::vector<Track>& Members() const { return members_; }
+
+ private:
+  int Root(int id) {
+    while (parent_[id] != id) id = parent_[id] = parent_[parent_[id]];
+    return id;
+  }
+
+  std::vector<int> first_;  // id of each frame's first feature
+  std::vector<int> parent_;
+  std::vector<Track> members_;  // of each root, in order of frames
+};
+
+}  // namespace
+
+std::vector<Track> BuildTracks(const Correspondences& correspondences, bool with_single_frames) {
+  TrackSets sets(correspondences.features);
+  for (const FramePair& pair : correspondences.pairs) {
+    for (const auto& [a, b] : pair.matches) {
+      sets.Join({pair.a, static_cast<int>(a)}, {pair.b, static_cast<int>(b)});
+    }
+  }
+  std::vector<Track> tracks;
+  for (const Track& members : sets.Members()) {
+    const bool alone = members.size() == 1;
+    if (members.empty() || (alone && !with_single_frames)) continue;
+    const FeatureRef& first = members.front();
+    if (alone && !correspondences.features[first.frame][first.feature].right) continue;
+    tracks.push_back(members);
+  }
+  return tracks;
+}
+
+}  // namespace rigmap

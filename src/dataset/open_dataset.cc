@@ -1,0 +1,207 @@
+#include "dataset/open_dataset.h"
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <opencv2/imgcodecs.hpp>
+#include <vector>
+
+#include "core/error.h"
+#include "dataset/inclinometer.h"
+#include "dataset/katwijk.h"
+#include "dataset/rig_file.h"
+#include "dataset/stereo_folder.h"
+
+namespace rigmap {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Absolute, without dots or a slash at its end, so that parent_path is the folder above.
+fs::path AbsoluteFolder(const fs::path& folder) {
+  std::error_code code;
+  if (!fs::is_directory(folder, code)) {
+    throw DataError(fmt::format("{}: expected a data set folder, found {}", folder.string(),
+                                fs::exists(folder, code) ? "a file" : "nothing"));
+  }
+  const fs::path absolute = fs::absolute(folder).lexically_normal();
+  return absolute.has_filename() ? absolute : absolute.parent_path();
+}
+
+std::string FindFormat(const DatasetRequest& request, const fs::path& folder) {
+  if (request.format) {
+    if (*request.format == "katwijk" || *request.format == "stereo") return *request.format;
+    throw UsageError(
+        fmt::format("--format: expected katwijk or stereo, found '{}'", *request.format));
+  }
+  if (!FindKatwijkParts(folder).empty()) return "katwijk";
+  if (IsStereoFolder(folder)) return "stereo";
+  throw DataError(
+      fmt::format("{}: expected a Katwijk root or part (Traverse<T>/Part<P>/LocCam, "
+                  "LocCam) or a stereo folder (left, right, times.txt), found neither",
+                  folder.string()));
+}
+
+std::optional<fs::path> RigFileIn(const fs::path& folder) {
+  std::optional<fs::path> found;
+  for (const char* name : {"calib.yaml", "rig.yaml"}) {
+    std::error_code ignored;
+    if (!fs::exists(folder / name, ignored)) continue;
+    if (found) {
+      spdlog::warn("{} is not used: {} is", (folder / name).string(), found->string());
+    } else {
+      found = folder / name;
+    }
+  }
+  return found;
+}
+
+fs::path FindRigFile(const DatasetRequest& request, const std::vector<fs::path>& folders) {
+  if (request.rig) return *request.rig;
+  for (const auto& folder : folders) {
+    if (const auto path = RigFileIn(folder)) return *path;
+  }
+  return {};
+}
+
+// Frames of the part or folder, and where its rig may lie.
+struct Opened {
+  Dataset dataset;
+  std::vector<fs::path> rig_folders;
+  fs::path imu_path;     // empty: none
+  fs::path default_rig;  // empty: none
+};
+
+Opened OpenKatwijk(const DatasetRequest& request, const fs::path& folder) {
+  const KatwijkPart part = SelectKatwijkPart(folder, request.traverse, request.part);
+  const fs::path above = part.folder.parent_path();
+  return {ReadKatwijkFrames(part),
+          {folder, part.folder, above, above.parent_path()},
+          part.folder / "imu.txt",
+          request.default_loccam_rig};
+}
+
+Opened OpenStereo(const DatasetRequest& request, const fs::path& folder) {
+  if (request.traverse || request.part) {
+    throw UsageError(
+        fmt::format("{}: --traverse and --part choose a Katwijk part, found a stereo "
+                    "folder",
+                    folder.string()));
+  }
+  return {ReadStereoFolder(folder), {folder}, {}, {}};
+}
+
+StereoRig ReadRig(const DatasetRequest& request, const Opened& opened) {
+  fs::path path = FindRigFile(request, opened.rig_folders);
+  if (path.empty()) path = opened.default_rig;
+  if (path.empty()) {
+    throw DataError(fmt::format("{}: expected calib.yaml or rig.yaml, found neither",
+                                opened.rig_folders.front().string()));
+  }
+  StereoRig rig = ReadRigFile(path);
+  spdlog::info("rig: {}, baseline {:.6f} m", path.string(), rig.Baseline());
+  return rig;
+}
+
+void KeepFrames(const std::pair<int, int>& range, std::vector<StereoFrame>& frames) {
+  const auto [first, end] = range;
+  if (first < 0 || first >= end || end > std::ssize(frames)) {
+    throw UsageError(
+        fmt::format("--frames {}:{}: expected 0 <= FIRST < END <= {}, the number of "
+                    "pairs found",
+                    first, end, frames.size()));
+  }
+  frames = std::vector<StereoFrame>(frames.begin() + first, frames.begin() + end);
+}
+
+void CheckSize(const std::string& path, const Camera& camera, const std::string& rig_source) {
+  cv::Mat image;
+  try {
+    image = cv::imread(path, cv::IMREAD_GRAYSCALE | cv::IMREAD_IGNORE_ORIENTATION);
+  } catch (const cv::Exception& error) {
+    throw DataError(fmt::format("{}: cannot be decoded: {}", path, error.what()));
+  }
+  if (image.empty()) throw DataError(fmt::format("{}: cannot be decoded as an image", path));
+  if (image.cols != camera.width || image.rows != camera.height) {
+    throw DataError(fmt::format("{}: expected {} x {} pixels as in {}, found {} x {}", path,
+                                camera.width, camera.height, rig_source, image.cols, image.rows));
+  }
+}
+
+void CheckSizes(const Dataset& dataset) {
+  const StereoRig& rig = dataset.rig;
+  for (const Eye eye : kEyes) {
+    CheckSize(dataset.frames.front().PathOf(eye), rig.Of(eye).camera, rig.source);
+    if (!rig.Of(eye).mask_path.empty()) {
+      CheckSize(rig.Of(eye).mask_path, rig.Of(eye).camera, rig.source);
+    }
+  }
+}
+
+void LogHealth(const Dataset& dataset) {
+  const DatasetHealth& health = dataset.health;
+  spdlog::info("{} pairs from {} images", dataset.frames.size(), health.images_read);
+  if (!health.lone_images.empty()) {
+    spdlog::warn("{} images without a partner left out, the first {}", health.lone_images.size(),
+                 health.lone_images.front());
+  }
+  if (!health.unreadable_images.empty()) {
+    spdlog::warn("{} unreadable images left out, the first {}", health.unreadable_images.size(),
+                 health.unreadable_images.front());
+  }
+  for (const auto& remark : health.remarks) spdlog::warn("{}", remark);
+}
+
+std::string DescribeFile(const std::string& path) {
+  std::error_code size_code, time_code;
+  const auto size = fs::file_size(path, size_code);
+  const auto time = fs::last_write_time(path, time_code);
+  if (size_code || time_code) throw DataError(fmt::format("{}: expected a file, found none", path));
+  return fmt::format("{} {} {}\n", path, size, time.time_since_epoch().count());
+}
+
+}  // namespace
+
+Dataset OpenDataset(const DatasetRequest& request) {
+  const fs::path folder = AbsoluteFolder(request.folder);
+  Opened opened = FindFormat(request, folder) == "katwijk" ? OpenKatwijk(request, folder)
+                                                           : OpenStereo(request, folder);
+  Dataset& dataset = opened.dataset;
+  dataset.rig = ReadRig(request, opened);
+  if (request.frames) KeepFrames(*request.frames, dataset.frames);
+  if (!opened.imu_path.empty()) {
+    auto reading = ReadInclinometer(opened.imu_path, dataset.frames);
+    dataset.inclinometer = std::move(reading.samples);
+    auto& remarks = dataset.health.remarks;
+    remarks.insert(remarks.end(), reading.remarks.begin(), reading.remarks.end());
+  }
+  LogHealth(dataset);
+  CheckSizes(dataset);
+  return dataset;
+}
+
+std::string DescribeRig(const StereoRig& rig) {
+  std::string text = WriteRigFile(rig);
+  for (const Eye eye : kEyes) {
+    const auto& mask_path = rig.Of(eye).mask_path;
+    if (!mask_path.empty()) text += DescribeFile(mask_path);
+  }
+  return text;
+}
+
+std::string DescribeFrame(const StereoFrame& frame) {
+  return fmt::format("{}\n{}{}", frame.stamp_ns, DescribeFile(frame.left_path),
+                     DescribeFile(frame.right_path));
+}
+
+std::string DescribeInputs(const Dataset& dataset) {
+  std::string text = fmt::format("{}\n{}", dataset.format, DescribeRig(dataset.rig));
+  for (const auto& frame : dataset.frames) text += DescribeFrame(frame);
+  for (const auto& sample : dataset.inclinometer) {
+    const auto& up = sample.acceleration_in_imu;
+    text += fmt::format("{} {} {} {}\n", sample.stamp_ns, up.x(), up.y(), up.z());
+  }
+  return text;
+}
+
+}  // namespace rigmap

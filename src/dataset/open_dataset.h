@@ -1,0 +1,37 @@
+// From a folder to a Dataset: recognises the form, finds the rig, checks that they fit.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "scene/dataset.h"
+
+namespace rigmap {
+
+struct DatasetRequest {
+  std::filesystem::path folder;               // Katwijk root, traverse or part, or stereo folder
+  std::optional<int> traverse, part;          // Katwijk only; may be left out where unambiguous
+  std::optional<std::filesystem::path> rig;   // rig file that overrides those beside the data
+  std::optional<std::string> format;          // "katwijk" or "stereo"; nothing: recognised
+  std::optional<std::pair<int, int>> frames;  // FIRST and END of the paired frames, half open
+  std::filesystem::path default_loccam_rig;   // for Katwijk data without a rig file of its own
+};
+
+// The rig is request.rig; else calib.yaml or rig.yaml in the given folder or, for Katwijk, in the
+// part's folder or the two above it; else, for Katwijk, default_loccam_rig. Which one applies is
+// logged, and so is what was wrong with the data. Paths in the result are absolute.
+// Throws UsageError for a part, format or frame range that is not there, listing what is; DataError
+// for data that cannot be used, also when the first pair or a mask is not of the rig's size.
+Dataset OpenDataset(const DatasetRequest& request);
+
+// Text for artefact keys: changes whenever the rig, the stamps, the inclinometer or the path, size
+// or modification time of an image or mask changes. The truth is left out: no stage before
+// evaluation may depend on it. Throws DataError when a file is gone.
+std::string DescribeInputs(const Dataset& dataset);
+// The share of that text that the rig and one frame have in it.
+std::string DescribeRig(const StereoRig& rig);
+std::string DescribeFrame(const StereoFrame& frame);
+
+}  // namespace rigmap

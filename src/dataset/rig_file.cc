@@ -1,0 +1,260 @@
+#include "dataset/rig_file.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/SVD>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <string_view>
+
+#include "core/error.h"
+#include "core/yaml.h"
+
+namespace rigmap {
+namespace {
+
+// Numbers in such files are rounded to six decimals or better.
+constexpr double kMaxBaselineErrorM = 1e-6;
+// Largest entry of R^T R - 1: three decimals are enough to tell a rotation from a typing error.
+constexpr double kMaxRotationDefect = 1e-3;
+// About one pixel over the width of an image.
+constexpr double kMaxRectifiedErrorRad = 1e-3;
+
+DataError Complaint(const YamlNode& node, const std::string& what) {
+  return DataError(fmt::format("{}: {}", node.where, what));
+}
+
+void RefuseFisheye(const YamlNode& model) {
+  constexpr std::array kFisheyeNames{"FISHEYE", "KANNALA", "EQUIDISTANT", "FOV", "OMNI", "MEI"};
+  std::string name = model.AsString();
+  std::transform(name.begin(), name.end(), name.begin(),
+                 [](unsigned char letter) { return static_cast<char>(std::toupper(letter)); });
+  for (const std::string_view fisheye : kFisheyeNames) {
+    if (name.find(fisheye) != std::string::npos) {
+      throw Complaint(model, fmt::format("expected model PINHOLE or OPENCV, found the fisheye "
+                                         "model '{}', which is not supported",
+                                         model.scalar));
+    }
+  }
+}
+
+void RefuseHigherDistortion(const YamlNode& eye) {
+  constexpr const char* kExpected = "expected distortion: [k1, k2, p1, p2], found";
+  for (const char* key : {"k3", "k4", "k5", "k6"}) {
+    if (const YamlNode* node = eye.Find(key)) {
+      throw Complaint(*node, fmt::format("{} {}, which is not supported", kExpected, key));
+    }
+  }
+  const YamlNode* distortion = eye.Find("distortion");
+  if (distortion && distortion->items.size() > 4) {
+    throw Complaint(*distortion, fmt::format("{} {} numbers: k3 is not supported", kExpected,
+                                             distortion->items.size()));
+  }
+}
+
+int ReadSize(const YamlNode& node) {
+  const int size = node.AsInt();
+  if (size <= 0) throw Complaint(node, fmt::format("expected a positive size, found {}", size));
+  return size;
+}
+
+double ReadFocal(const YamlNode& node) {
+  const double focal = node.AsDouble();
+  if (!(focal > 0.0)) {
+    throw Complaint(node, fmt::format("expected a positive focal length, found {}", focal));
+  }
+  return focal;
+}
+
+void ReadDistortion(const YamlNode& eye, Camera& camera) {
+  const YamlNode& model = eye.At("model");
+  if (model.scalar != "PINHOLE" && model.scalar != "OPENCV") {
+    throw Complaint(model,
+                    fmt::format("expected model PINHOLE or OPENCV, found '{}'", model.scalar));
+  }
+  const bool pinhole = model.scalar == "PINHOLE";
+  if (pinhole && !eye.Find("distortion")) return;
+  const auto numbers = eye.At("distortion").AsDoubles(4);
+  camera.k1 = numbers[0];
+  camera.k2 = numbers[1];
+  camera.p1 = numbers[2];
+  camera.p2 = numbers[3];
+  if (pinhole && !camera.IsPinhole()) {
+    throw Complaint(eye.At("distortion"),
+                    fmt::format("expected no distortion for model PINHOLE, found [{}]",
+                                fmt::join(numbers, ", ")));
+  }
+}
+
+Camera ReadCamera(const YamlNode& eye) {
+  Camera camera;
+  ReadDistortion(eye, camera);
+  camera.width = ReadSize(eye.At("width"));
+  camera.height = ReadSize(eye.At("height"));
+  camera.fx = ReadFocal(eye.At("fx"));
+  camera.fy = ReadFocal(eye.At("fy"));
+  camera.cx = eye.At("cx").AsDouble();
+  camera.cy = eye.At("cy").AsDouble();
+  if (!camera.Contains({camera.cx, camera.cy})) {
+    throw Complaint(eye.At("cx"),
+                    fmt::format("expected the principal point inside the image of {} x {} pixels, "
+                                "found ({}, {})",
+                                camera.width, camera.height, camera.cx, camera.cy));
+  }
+  return camera;
+}
+
+PixelRegion ReadRegion(const YamlNode& node, const Camera& camera) {
+  const auto edges = node.AsDoubles(4);
+  const auto inside = [](double value, int size) { return std::clamp(value, 0.0, size - 1.0); };
+  const PixelRegion region{static_cast<int>(std::ceil(inside(edges[0], camera.width))),
+                           static_cast<int>(std::ceil(inside(edges[1], camera.height))),
+                           static_cast<int>(std::floor(inside(edges[2], camera.width))),
+                           static_cast<int>(std::floor(inside(edges[3], camera.height)))};
+  if (region.x0 >= region.x1 || region.y0 >= region.y1) {
+    throw Complaint(node, fmt::format("expected [x0, y0, x1, y1] with x0 < x1 and y0 < y1 inside "
+                                      "the image of {} x {} pixels, found [{}]",
+                                      camera.width, camera.height, fmt::join(edges, ", ")));
+  }
+  return region;
+}
+
+RigEye ReadEye(const YamlNode& node, const std::filesystem::path& folder) {
+  RigEye eye;
+  RefuseFisheye(node.At("model"));
+  RefuseHigherDistortion(node);
+  node.RequireKeys({"model", "width", "height", "fx", "fy", "cx", "cy", "distortion",
+                    "calibrated_region", "mask"});
+  eye.camera = ReadCamera(node);
+  if (const YamlNode* region = node.Find("calibrated_region")) {
+    eye.calibrated_region = ReadRegion(*region, eye.camera);
+  }
+  if (const YamlNode* mask = node.Find("mask")) {
+    const auto path = std::filesystem::absolute(folder / mask->AsString()).lexically_normal();
+    std::error_code ignored;
+    if (!std::filesystem::is_regular_file(path, ignored)) {
+      throw Complaint(*mask, fmt::format("expected a mask image, found no file {}", path.string()));
+    }
+    eye.mask_path = path.string();
+  }
+  return eye;
+}
+
+Eigen::Quaterniond ReadRotation(const YamlNode& node) {
+  const auto numbers = node.AsDoubles(9);
+  const Eigen::Matrix3d matrix =
+      Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(numbers.data());
+  const double defect =
+      (matrix.transpose() * matrix - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
+  if (!(defect <= kMaxRotationDefect)) {
+    throw Complaint(node,
+                    fmt::format("expected a rotation, R^T R = 1 to {}, found it off by {:.3g}",
+                                kMaxRotationDefect, defect));
+  }
+  if (matrix.determinant() < 0.0) {
+    throw Complaint(node, "expected a rotation, determinant +1, found a reflection, -1");
+  }
+  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(matrix, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  const Eigen::Matrix3d nearest = svd.matrixU() * svd.matrixV().transpose();
+  return Eigen::Quaterniond(nearest).normalized();
+}
+
+Eigen::Vector3d ReadVector(const YamlNode& node) {
+  return Eigen::Vector3d(node.AsDoubles(3).data());
+}
+
+Rigid3 ReadRigid(const YamlNode& node) {
+  node.RequireKeys({"R", "t"});
+  return {ReadRotation(node.At("R")), ReadVector(node.At("t"))};
+}
+
+void CheckBaseline(const YamlNode& root, const StereoRig& rig) {
+  const YamlNode& motion = root.At("right_from_left").At("t");
+  if (!(rig.Baseline() > 0.0)) throw Complaint(motion, "expected a baseline above 0 m, found 0 m");
+  const double right_x_in_left = rig.right_from_left.Inverse().translation.x();
+  if (!(right_x_in_left > 0.0)) {
+    throw Complaint(motion, fmt::format("expected the right camera to the right of the left one, "
+                                        "found it {} m to the left: are the eyes or the direction "
+                                        "swapped?",
+                                        -right_x_in_left));
+  }
+  const YamlNode* baseline = root.Find("baseline_m");
+  if (baseline && !(std::abs(baseline->AsDouble() - rig.Baseline()) <= kMaxBaselineErrorM)) {
+    throw Complaint(*baseline, fmt::format("expected baseline_m to equal the length of t, {:.7f} m "
+                                           "(to {} m), found {}",
+                                           rig.Baseline(), kMaxBaselineErrorM, baseline->scalar));
+  }
+}
+
+void CheckRectified(const YamlNode& root, const Rigid3& right_from_left) {
+  const YamlNode* rectified = root.Find("rectified");
+  if (!rectified || !rectified->AsBool()) return;
+  const double turn_rad = AngleOf(right_from_left.rotation);
+  const Eigen::Vector3d& t = right_from_left.translation;
+  const double slant_rad = std::atan2(t.tail<2>().norm(), -t.x());
+  if (turn_rad > kMaxRectifiedErrorRad || slant_rad > kMaxRectifiedErrorRad) {
+    throw Complaint(*rectified,
+                    fmt::format("expected R = 1 and t along -x (to {} rad) where rectified is "
+                                "true, found R turned by {:.4g} rad, t by {:.4g} rad",
+                                kMaxRectifiedErrorRad, turn_rad, slant_rad));
+  }
+}
+
+std::string FormatEye(const RigEye& eye) {
+  const Camera& camera = eye.camera;
+  std::string text = fmt::format(
+      "  model: {}\n  width: {}\n  height: {}\n  fx: {}\n  fy: {}\n  cx: {}\n  cy: {}\n"
+      "  distortion: [{}, {}, {}, {}]\n",
+      camera.IsPinhole() ? "PINHOLE" : "OPENCV", camera.width, camera.height, camera.fx, camera.fy,
+      camera.cx, camera.cy, camera.k1, camera.k2, camera.p1, camera.p2);
+  if (const auto& region = eye.calibrated_region) {
+    text += fmt::format("  calibrated_region: [{}, {}, {}, {}]\n", region->x0, region->y0,
+                        region->x1, region->y1);
+  }
+  if (!eye.mask_path.empty()) text += fmt::format("  mask: {}\n", QuoteYaml(eye.mask_path));
+  return text;
+}
+
+std::string FormatVector(const Eigen::Vector3d& vector) {
+  return fmt::format("[{}, {}, {}]", vector.x(), vector.y(), vector.z());
+}
+
+std::string FormatRigid(const Rigid3& motion) {
+  const Eigen::Matrix<double, 3, 3, Eigen::RowMajor> matrix = motion.rotation.toRotationMatrix();
+  return fmt::format("  R: [{}]\n  t: {}\n",
+                     fmt::join(matrix.data(), matrix.data() + matrix.size(), ", "),
+                     FormatVector(motion.translation));
+}
+
+}  // namespace
+
+StereoRig ReadRigFile(const std::filesystem::path& path) {
+  const YamlNode root = ReadYaml(path);
+  root.RequireKeys({"left", "right", "right_from_left", "baseline_m", "rectified",
+                    "antenna_in_left", "imu_from_left"});
+  StereoRig rig;
+  rig.source = path.string();
+  rig.left = ReadEye(root.At("left"), path.parent_path());
+  rig.right = ReadEye(root.At("right"), path.parent_path());
+  rig.right_from_left = ReadRigid(root.At("right_from_left"));
+  CheckBaseline(root, rig);
+  CheckRectified(root, rig.right_from_left);
+  if (const YamlNode* antenna = root.Find("antenna_in_left")) {
+    rig.antenna_in_left = ReadVector(*antenna);
+  }
+  if (const YamlNode* imu = root.Find("imu_from_left")) rig.imu_from_left = ReadRigid(*imu);
+  return rig;
+}
+
+std::string WriteRigFile(const StereoRig& rig) {
+  std::string text = fmt::format("left:\n{}right:\n{}right_from_left:\n{}", FormatEye(rig.left),
+                                 FormatEye(rig.right), FormatRigid(rig.right_from_left));
+  if (rig.antenna_in_left) {
+    text += fmt::format("antenna_in_left: {}\n", FormatVector(*rig.antenna_in_left));
+  }
+  if (rig.imu_from_left) text += fmt::format("imu_from_left:\n{}", FormatRigid(*rig.imu_from_left));
+  return text;
+}
+
+}  // namespace rigmap

@@ -1,0 +1,33 @@
+// The calibration of a stereo rig as a YAML file.
+//
+//   left, right:       model: PINHOLE | OPENCV
+//                      width, height          pixels
+//                      fx, fy, cx, cy         pixels; the centre of the first pixel is (0, 0)
+//                      distortion             [k1, k2, p1, p2]; may be left out for PINHOLE
+//                      calibrated_region      optional [x0, y0, x1, y1], pixels, inclusive
+//                      mask                   optional image, path relative to this file;
+//                                             where it is 0 the eye is not used
+//   right_from_left:   R: 9 numbers, row by row, t: 3 numbers, metres; x_right = R x_left + t
+//   baseline_m         optional, |t| in metres, to 1e-6 m
+//   rectified          optional; true promises R = 1 and t along -x, each to 1e-3 rad
+//   antenna_in_left    optional [x, y, z], metres, left camera axes
+//   imu_from_left      optional {R, t}, as above
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "scene/rig.h"
+
+namespace rigmap {
+
+// Throws DataError naming file, line, what was expected and what was found: for any other key,
+// fisheye models and k3 (by name), numbers that are not finite, R further than 1e-3 from a rotation
+// (closer ones are made exact), a principal point outside the image, a right camera that is not to
+// the right of the left one, a mask that does not exist. A calibrated_region is cut to the image.
+StereoRig ReadRigFile(const std::filesystem::path& path);
+
+// Text that ReadRigFile reads back to the same rig (rotations to rounding).
+std::string WriteRigFile(const StereoRig& rig);
+
+}  // namespace rigmap

@@ -1,0 +1,121 @@
+#include "dataset/stereo_folder.h"
+
+#include <fmt/format.h>
+
+#include <cctype>
+#include <sstream>
+#include <string>
+
+#include "core/error.h"
+#include "core/file.h"
+#include "dataset/image_file.h"
+
+namespace rigmap {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string Trimmed(const std::string& line) {
+  const auto begin = line.find_first_not_of(" \t\r");
+  if (begin == std::string::npos) return "";
+  return line.substr(begin, line.find_last_not_of(" \t\r") + 1 - begin);
+}
+
+StampNs ParseTime(const std::string& text, const std::string& where) {
+  try {
+    return ParseSeconds(text);
+  } catch (const DataError& error) {
+    throw DataError(fmt::format("{}: {}", where, error.what()));
+  }
+}
+
+std::vector<StampNs> ReadTimes(const fs::path& path) {
+  std::istringstream lines(ReadTextFile(path));
+  std::vector<StampNs> times;
+  std::string line;
+  for (int number = 1; std::getline(lines, line); ++number) {
+    const std::string text = Trimmed(line);
+    if (text.empty() || text.front() == '#') continue;
+    const auto where = fmt::format("{}:{}", path.string(), number);
+    const StampNs stamp_ns = ParseTime(text, where);
+    if (!times.empty() && stamp_ns <= times.back()) {
+      throw DataError(fmt::format("{}: expected a time after {}, found {}", where,
+                                  FormatSeconds(times.back()), text));
+    }
+    times.push_back(stamp_ns);
+  }
+  return times;
+}
+
+void RequireWhole(const std::vector<fs::path>& images) {
+  for (const auto& path : images) {
+    if (!IsWholeImage(path)) {
+      throw DataError(
+          fmt::format("{}: expected an image, found an empty, truncated or unknown "
+                      "file",
+                      path.string()));
+    }
+  }
+}
+
+std::string DigitsOf(const fs::path& path) {
+  std::string digits;
+  for (const unsigned char letter : path.stem().string()) {
+    if (std::isdigit(letter)) digits += static_cast<char>(letter);
+  }
+  return digits;
+}
+
+void RemarkOnNames(const std::vector<StereoFrame>& frames, DatasetHealth& health) {
+  std::size_t count = 0;
+  const StereoFrame* first = nullptr;
+  for (const auto& frame : frames) {
+    if (DigitsOf(frame.left_path) == DigitsOf(frame.right_path)) continue;
+    if (count++ == 0) first = &frame;
+  }
+  if (!first) return;
+  health.remarks.push_back(
+      fmt::format("{} of {} pairs, paired in the order of their names, have different numbers in "
+                  "them, the first {} and {}",
+                  count, frames.size(), first->left_path, first->right_path));
+}
+
+}  // namespace
+
+bool IsStereoFolder(const fs::path& folder) {
+  std::error_code ignored;
+  return fs::is_directory(folder / "left", ignored) ||
+         fs::is_directory(folder / "right", ignored) || fs::exists(folder / "times.txt", ignored);
+}
+
+Dataset ReadStereoFolder(const fs::path& folder) {
+  const auto left = ListImages(folder / "left");
+  const auto right = ListImages(folder / "right");
+  if (left.empty() || left.size() != right.size()) {
+    throw DataError(
+        fmt::format("{}: expected as many images in left/ as in right/, at least one, "
+                    "found {} and {}",
+                    folder.string(), left.size(), right.size()));
+  }
+  const fs::path times_path = folder / "times.txt";
+  const auto times = ReadTimes(times_path);
+  if (times.size() != left.size()) {
+    throw DataError(fmt::format("{}: expected {} times, one per pair, found {}",
+                                times_path.string(), left.size(), times.size()));
+  }
+  RequireWhole(left);
+  RequireWhole(right);
+  Dataset dataset;
+  dataset.format = "stereo";
+  for (std::size_t i = 0; i < left.size(); ++i) {
+    dataset.frames.push_back({times[i], left[i].string(), right[i].string()});
+  }
+  dataset.health.images_read = static_cast<int>(left.size() + right.size());
+  RemarkOnNames(dataset.frames, dataset.health);
+  const fs::path truth = folder / "groundtruth_tum.txt";
+  std::error_code ignored;
+  if (fs::is_regular_file(truth, ignored)) dataset.truth_path = truth.string();
+  return dataset;
+}
+
+}  // namespace rigmap

@@ -1,0 +1,32 @@
+// A depth map from a stereo frame.
+#pragma once
+
+#include "dense/dense_options.h"
+#include "imaging/depth_map.h"
+#include "imaging/mask.h"
+#include "imaging/rectifier.h"
+#include "scene/dataset.h"
+
+namespace rigmap {
+
+// Holds what is the same for all frames of a rig: rectification maps and static masks.
+// Immutable; Compute may be called from several threads, each of which then needs the memory that
+// MatchDisparity states.
+class DenseMatcher {
+ public:
+  // Throws UsageError for invalid options, DataError for a rig whose masks cannot be read.
+  DenseMatcher(const StereoRig& rig, const DenseOptions& options, const MaskOptions& mask_options);
+
+  // Reads both images, rectifies, matches and keeps what is usable, between min_depth_m and the
+  // largest depth of the options. Throws DataError for images that cannot be read.
+  DepthMap Compute(const StereoFrame& frame) const;
+
+ private:
+  StereoRig rig_;
+  DenseOptions options_;
+  MaskOptions mask_options_;
+  Rectifier rectifier_;
+  cv::Mat left_static_, right_static_;
+};
+
+}  // namespace rigmap

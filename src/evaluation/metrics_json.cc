@@ -1,0 +1,58 @@
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "evaluation/trajectory_metrics.h"
+
+namespace rigmap {
+namespace {
+
+// To the nearest number with so many decimals, judged on the exact binary value, ties to even.
+double Round(double value, int decimals) {
+  std::array<char, 400> text;  // the longest double has 309 digits before the point
+  const auto written = std::to_chars(text.data(), text.data() + text.size(), value,
+                                     std::chars_format::fixed, decimals);
+  double rounded = value;
+  std::from_chars(text.data(), written.ptr, rounded);
+  return rounded;
+}
+
+void Put(nlohmann::ordered_json& json, const char* key, std::optional<double> value, int decimals) {
+  if (value) json[key] = Round(*value, decimals);
+}
+
+void PutAligned(nlohmann::ordered_json& json, const AlignedError& aligned) {
+  Put(json, "ate_se3_m", aligned.ate_se3_m, 5);
+  Put(json, "ate_sim3_m", aligned.ate_sim3_m, 5);
+  Put(json, "ate_se3_pct", aligned.ate_se3_pct, 4);
+  Put(json, "scale", aligned.scale, 5);
+  if (aligned.scale) Put(json, "scale_error_pct", 100.0 * std::abs(*aligned.scale - 1.0), 3);
+}
+
+void PutRelative(nlohmann::ordered_json& json, const RelativeError& relative) {
+  Put(json, "segment_m", relative.segment_m, 3);
+  Put(json, "rpe_t_pct", relative.translation_pct, 4);
+  Put(json, "rpe_r_deg_per_m", relative.rotation_deg_per_m, 5);
+}
+
+}  // namespace
+
+nlohmann::ordered_json ToJson(const TrajectoryMetrics& metrics) {
+  nlohmann::ordered_json json;
+  json["frames"] = metrics.frames;
+  json["gt_frames"] = metrics.true_frames;
+  Put(json, "coverage", metrics.coverage, 4);
+  Put(json, "path_m", metrics.true_path_m, 3);
+  Put(json, "est_path_m", metrics.estimated_path_m, 3);
+  Put(json, "extent_m", metrics.extent_m, 5);
+  if (metrics.aligned) {
+    PutAligned(json, *metrics.aligned);
+  } else {
+    json["error"] = "fewer than 3 matched poses";
+  }
+  if (metrics.relative) PutRelative(json, *metrics.relative);
+  return json;
+}
+
+}  // namespace rigmap

@@ -1,0 +1,179 @@
+#include "evaluation/trajectory_metrics.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "geometry/alignment.h"
+
+namespace rigmap {
+namespace {
+
+constexpr double kDegreesPerRadian = 57.295779513082320877;
+constexpr std::size_t kMinMatches = 3;  // fewer determine no alignment
+
+struct MatchedPoses {
+  std::vector<Rigid3> estimate, truth;  // in parallel
+
+  std::size_t size() const { return truth.size(); }
+};
+
+std::vector<TumPose> InOrderOfTime(std::span<const TumPose> poses) {
+  std::vector<TumPose> sorted(poses.begin(), poses.end());
+  std::stable_sort(sorted.begin(), sorted.end(),
+                   [](const TumPose& a, const TumPose& b) { return a.stamp_ns < b.stamp_ns; });
+  return sorted;
+}
+
+// Association is judged on seconds as double, as every reader of TUM files has them.
+double Seconds(const TumPose& pose) {
+  return static_cast<double>(static_cast<long double>(pose.stamp_ns) / 1e9L);
+}
+
+// The estimated pose nearest in time; of two equally near ones the later.
+const TumPose& Nearest(const std::vector<TumPose>& estimate, const TumPose& truth) {
+  const auto after =
+      std::lower_bound(estimate.begin(), estimate.end(), truth,
+                       [](const TumPose& a, const TumPose& b) { return Seconds(a) < Seconds(b); });
+  if (after == estimate.begin()) return estimate.front();
+  if (after == estimate.end()) return estimate.back();
+  const double t = Seconds(truth);
+  const bool before_is_nearer = std::abs(Seconds(*(after - 1)) - t) < std::abs(Seconds(*after) - t);
+  return before_is_nearer ? *(after - 1) : *after;
+}
+
+// Each true pose with the estimated one nearest in time, if near enough. An estimated pose may
+// serve several true ones.
+MatchedPoses Match(const std::vector<TumPose>& estimate, const std::vector<TumPose>& truth,
+                   double max_dt_s) {
+  MatchedPoses matched;
+  if (estimate.empty()) return matched;
+  for (const TumPose& true_pose : truth) {
+    const TumPose& nearest = Nearest(estimate, true_pose);
+    if (!(std::abs(Seconds(nearest) - Seconds(true_pose)) <= max_dt_s)) continue;
+    matched.estimate.push_back(nearest.world_from_body);
+    matched.truth.push_back(true_pose.world_from_body);
+  }
+  return matched;
+}
+
+// Summed in this order, so that segments end at the same pose as in the reference scorer.
+double Distance(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+  const Eigen::Vector3d d = b - a;
+  return std::sqrt((d.x() * d.x() + d.y() * d.y()) + d.z() * d.z());
+}
+
+std::vector<Eigen::Vector3d> Positions(const std::vector<Rigid3>& poses) {
+  std::vector<Eigen::Vector3d> positions;
+  positions.reserve(poses.size());
+  for (const Rigid3& pose : poses) positions.push_back(pose.translation);
+  return positions;
+}
+
+double PathLength(const std::vector<TumPose>& poses) {
+  double length_m = 0.0;
+  for (std::size_t i = 1; i < poses.size(); ++i) {
+    length_m +=
+        Distance(poses[i - 1].world_from_body.translation, poses[i].world_from_body.translation);
+  }
+  return length_m;
+}
+
+double Extent(const std::vector<TumPose>& poses) {
+  double extent_m = 0.0;
+  for (const TumPose& pose : poses) {
+    extent_m = std::max(extent_m, Distance(poses.front().world_from_body.translation,
+                                           pose.world_from_body.translation));
+  }
+  return extent_m;
+}
+
+double RmsDistance(const Sim3& truth_from_estimate, const std::vector<Eigen::Vector3d>& estimate,
+                   const std::vector<Eigen::Vector3d>& truth) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < truth.size(); ++i) {
+    sum += (truth_from_estimate * estimate[i] - truth[i]).squaredNorm();
+  }
+  return std::sqrt(sum / static_cast<double>(truth.size()));
+}
+
+AlignedError CompareAligned(const MatchedPoses& matched, double true_path_m) {
+  const auto estimate = Positions(matched.estimate), truth = Positions(matched.truth);
+  AlignedError error;
+  error.ate_se3_m = RmsDistance(AlignPoints(estimate, truth, false), estimate, truth);
+  if (true_path_m > 0.0) error.ate_se3_pct = 100.0 * error.ate_se3_m / true_path_m;
+  const bool all_coincide =
+      std::all_of(estimate.begin(), estimate.end(),
+                  [&](const Eigen::Vector3d& x) { return x == estimate.front(); });
+  if (!all_coincide) {
+    const Sim3 truth_from_estimate = AlignPoints(estimate, truth, true);
+    error.scale = truth_from_estimate.scale;
+    error.ate_sim3_m = RmsDistance(truth_from_estimate, estimate, truth);
+  }
+  return error;
+}
+
+std::vector<double> DistancesAlong(const std::vector<Rigid3>& poses) {
+  std::vector<double> along_m{0.0};
+  for (std::size_t i = 1; i < poses.size(); ++i) {
+    along_m.push_back(along_m.back() + Distance(poses[i - 1].translation, poses[i].translation));
+  }
+  return along_m;
+}
+
+// The errors of KITTI's devkit (Geiger et al. 2012), with one length of segments.
+std::optional<RelativeError> CompareSegments(const MatchedPoses& matched, double segment_m) {
+  const std::vector<double> along_m = DistancesAlong(matched.truth);
+  constexpr double kMinSegment_m = 1e-6;
+  RelativeError error;
+  error.segment_m = segment_m > 0.0 ? segment_m : std::max(along_m.back() / 5.0, kMinSegment_m);
+  double count = 0.0;
+  for (std::size_t i = 0; i < matched.size(); ++i) {
+    const auto end = std::lower_bound(along_m.begin(), along_m.end(), along_m[i] + error.segment_m);
+    if (end == along_m.end()) break;
+    const auto j = static_cast<std::size_t>(end - along_m.begin());
+    const double length_m = *end - along_m[i];
+    const Rigid3 true_motion = matched.truth[i].Inverse() * matched.truth[j];
+    const Rigid3 motion = matched.estimate[i].Inverse() * matched.estimate[j];
+    error.translation_pct +=
+        100.0 * (true_motion.translation - motion.translation).norm() / length_m;
+    error.rotation_deg_per_m +=
+        kDegreesPerRadian * AngleOf(true_motion.rotation.conjugate() * motion.rotation) / length_m;
+    count += 1.0;
+  }
+  if (count == 0.0) return std::nullopt;
+  error.translation_pct /= count;
+  error.rotation_deg_per_m /= count;
+  return error;
+}
+
+}  // namespace
+
+void EvaluationOptions::Validate() const {
+  RequireOption(max_dt_s >= 0.0, "evaluation.max_dt_s", "at least 0 s", max_dt_s);
+  RequireOption(segment_m >= 0.0, "evaluation.segment_m", "at least 0 m", segment_m);
+}
+
+TrajectoryMetrics CompareTrajectories(std::span<const TumPose> estimate,
+                                      std::span<const TumPose> truth,
+                                      const EvaluationOptions& options) {
+  options.Validate();
+  const std::vector<TumPose> sorted_estimate = InOrderOfTime(estimate);
+  const std::vector<TumPose> sorted_truth = InOrderOfTime(truth);
+  const MatchedPoses matched = Match(sorted_estimate, sorted_truth, options.max_dt_s);
+  TrajectoryMetrics metrics;
+  metrics.frames = estimate.size();
+  metrics.true_frames = truth.size();
+  if (!truth.empty()) {
+    metrics.coverage = static_cast<double>(matched.size()) / static_cast<double>(truth.size());
+  }
+  metrics.true_path_m = PathLength(sorted_truth);
+  metrics.estimated_path_m = PathLength(sorted_estimate);
+  metrics.extent_m = Extent(sorted_estimate);
+  if (matched.size() < kMinMatches) return metrics;
+  metrics.aligned = CompareAligned(matched, metrics.true_path_m);
+  metrics.relative = CompareSegments(matched, options.segment_m);
+  return metrics;
+}
+
+}  // namespace rigmap

@@ -1,0 +1,67 @@
+// How far a trajectory is from the truth.
+#pragma once
+
+#include <cstddef>
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <span>
+
+#include "core/options.h"
+#include "export/tum.h"
+
+namespace rigmap {
+
+struct EvaluationOptions {
+  // s; a true pose is matched when an estimated one lies within this. Half a frame at 25 Hz, in
+  // which a rover moves a centimetre.
+  double max_dt_s = 0.02;
+  // m; length of the stretches that relative errors are taken over. 0: a fifth of the true path, so
+  // that short and long parts both have several.
+  double segment_m = 0.0;
+
+  OptionFields Fields() { return {{"max_dt_s", &max_dt_s}, {"segment_m", &segment_m}}; }
+  void Validate() const;
+};
+
+// Errors after the alignment that favours the estimate most: ate_se3 by a rigid motion, so that an
+// error of scale shows, ate_sim3 by a similarity.
+struct AlignedError {
+  double ate_se3_m = 0.0;             // RMS distance of matched positions
+  std::optional<double> ate_se3_pct;  // of the true path; nothing if that is zero
+  // The similarity's factor, truth / estimate: 1 is perfect. Nothing for an estimate all of whose
+  // matched positions coincide.
+  std::optional<double> scale;
+  std::optional<double> ate_sim3_m;  // as `scale`
+};
+
+// Relative errors: over every stretch of the true path that starts at a matched pose and is
+// segment_m long or just over, the motion's error divided by the stretch's length; the mean.
+struct RelativeError {
+  double segment_m = 0.0;
+  double translation_pct = 0.0;
+  double rotation_deg_per_m = 0.0;
+};
+
+struct TrajectoryMetrics {
+  std::size_t frames = 0;               // estimated poses
+  std::size_t true_frames = 0;          // true poses
+  double coverage = 0.0;                // share of true poses that are matched
+  double true_path_m = 0.0;             // over all true poses
+  double estimated_path_m = 0.0;        // over all estimated poses
+  double extent_m = 0.0;                // largest distance of an estimated position from the first
+  std::optional<AlignedError> aligned;  // nothing for fewer than three matched poses
+  std::optional<RelativeError> relative;  // nothing where the path has no such stretch
+};
+
+// Compares positions and rotations of the same body. Both lists in any order; either may be empty.
+TrajectoryMetrics CompareTrajectories(std::span<const TumPose> estimate,
+                                      std::span<const TumPose> truth,
+                                      const EvaluationOptions& options = {});
+
+// The keys of evaluation.json, rounded as printed: frames, gt_frames, coverage, path_m (true),
+// est_path_m, extent_m, then `error` (a sentence) or ate_se3_m, ate_sim3_m, ate_se3_pct, scale,
+// scale_error_pct, and where there are relative errors segment_m, rpe_t_pct, rpe_r_deg_per_m.
+// A number that does not exist has no key.
+nlohmann::ordered_json ToJson(const TrajectoryMetrics& metrics);
+
+}  // namespace rigmap

@@ -1,0 +1,27 @@
+// The stage `features`: a stereo frame becomes keypoints with descriptors and stereo partners.
+#pragma once
+
+#include "features/feature_options.h"
+#include "imaging/mask.h"
+#include "scene/dataset.h"
+#include "scene/features.h"
+
+namespace rigmap {
+
+// What every frame of a rig shares.
+struct FeatureSetup {
+  StereoRig rig;
+  cv::Mat left_mask, right_mask;  // static masks, CV_8UC1, 0 = ignore
+  FeatureOptions options;
+  MaskOptions mask_options;
+};
+
+// Reads the mask files that the rig names.
+FeatureSetup MakeFeatureSetup(const StereoRig& rig, const FeatureOptions& options,
+                              const MaskOptions& mask_options);
+
+// Reads both images and finds their features; about 0.1 s for a 1024 x 768 pair on one core.
+// Deterministic; may run for several frames at once. Throws DataError if an image cannot be read.
+FrameFeatures ExtractFeatures(const StereoFrame& frame, const FeatureSetup& setup);
+
+}  // namespace rigmap

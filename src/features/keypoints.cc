@@ -1,0 +1,116 @@
+#include "features/keypoints.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <opencv2/features2d.hpp>
+#include <opencv2/imgproc.hpp>
+
+namespace rigmap {
+namespace {
+
+// OpenCV's SIFT doubles the image first and in 4.6 forgets half a pixel of the doubled image when
+// it scales back: positions come out this much too large (tests/features draws blobs to show it).
+constexpr double kSiftOffsetPx = 0.25;
+
+struct Ranked {
+  int index;
+  int rank;  // place among the keypoints of its cell, strongest first
+};
+
+// Indices of at most `count` keypoints: the strongest of every grid cell, then every cell's second,
+// and so on, so that a bright rock does not take the sand's share.
+std::vector<int> SpreadEvenly(const std::vector<cv::KeyPoint>& keypoints, const cv::Size& size,
+                              int count) {
+  constexpr double kKeypointsPerCell = 4.0;
+  const double cell = std::sqrt(size.area() * kKeypointsPerCell / count);
+  std::vector<int> order(keypoints.size());
+  for (std::size_t i = 0; i < order.size(); ++i) order[i] = static_cast<int>(i);
+  std::sort(order.begin(), order.end(), [&](int a, int b) {
+    const auto &p = keypoints[a], &q = keypoints[b];
+    return std::tie(q.response, p.pt.y, p.pt.x, a) < std::tie(p.response, q.pt.y, q.pt.x, b);
+  });
+  std::map<std::pair<int, int>, int> in_cell;
+  std::vector<Ranked> ranked;
+  for (int index : order) {
+    const auto& at = keypoints[index].pt;
+    ranked.push_back(
+        {index, in_cell[{static_cast<int>(at.y / cell), static_cast<int>(at.x / cell)}]++});
+  }
+  std::stable_sort(ranked.begin(), ranked.end(),
+                   [](const Ranked& a, const Ranked& b) { return a.rank < b.rank; });
+  std::vector<int> chosen;
+  for (const Ranked& r : ranked) {
+    if (static_cast<int>(chosen.size()) == count) break;
+    chosen.push_back(r.index);
+  }
+  return chosen;
+}
+
+// SIFT gives a place several times, once per dominant direction; the strongest stays.
+void RemoveSamePlace(std::vector<cv::KeyPoint>& keypoints) {
+  const auto key = [](const cv::KeyPoint& k) { return std::tie(k.pt.y, k.pt.x); };
+  std::sort(keypoints.begin(), keypoints.end(), [&](const auto& a, const auto& b) {
+    return std::tuple_cat(key(a), std::tie(b.response, a.angle)) <
+           std::tuple_cat(key(b), std::tie(a.response, b.angle));
+  });
+  keypoints.erase(std::unique(keypoints.begin(), keypoints.end(),
+                              [&](const auto& a, const auto& b) { return key(a) == key(b); }),
+                  keypoints.end());
+}
+
+// Place in the full image of a position that SIFT found in the image reduced by `reduction`.
+// INTER_AREA halving puts the centre of half pixel h at 2 h + 0.5.
+Eigen::Vector2d FullPixel(const cv::Point2f& at, int reduction) {
+  const auto full = [&](double x) {
+    return reduction * (x - kSiftOffsetPx) + 0.5 * (reduction - 1);
+  };
+  return {full(at.x), full(at.y)};
+}
+
+// On the full mask rather than through SIFT, which would take a halved one half a pixel off.
+void RemoveMasked(std::vector<cv::KeyPoint>& keypoints, const cv::Mat& mask, int reduction) {
+  std::erase_if(keypoints, [&](const cv::KeyPoint& keypoint) {
+    const Eigen::Vector2d pixel = FullPixel(keypoint.pt, reduction);
+    const cv::Point at(cvRound(pixel.x()), cvRound(pixel.y()));
+    return !cv::Rect(cv::Point(), mask.size()).contains(at) || mask.at<std::uint8_t>(at) == 0;
+  });
+}
+
+}  // namespace
+
+int SearchReduction(const cv::Size& size, const FeatureOptions& options) {
+  return size.area() > 1e6 * options.half_resolution_above_mpx ? 2 : 1;
+}
+
+Keypoints DetectKeypoints(const cv::Mat& grey, const cv::Mat& mask, const FeatureOptions& options) {
+  const int reduction = SearchReduction(grey.size(), options);
+  cv::Mat image = grey;
+  if (reduction == 2) cv::resize(grey, image, cv::Size(), 0.5, 0.5, cv::INTER_AREA);
+  constexpr int kOctaveLayers = 3;
+  constexpr double kSigma = 1.6;
+  // OpenCV divides the threshold by the number of layers.
+  const auto sift = cv::SIFT::create(0, kOctaveLayers, options.contrast_threshold * kOctaveLayers,
+                                     options.edge_threshold, kSigma);
+  std::vector<cv::KeyPoint> found;
+  sift->detect(image, found);
+  RemoveMasked(found, mask, reduction);
+  RemoveSamePlace(found);
+  std::vector<cv::KeyPoint> kept;
+  for (int index : SpreadEvenly(found, image.size(), options.max_keypoints)) {
+    kept.push_back(found[index]);
+  }
+  cv::Mat descriptors;
+  sift->compute(image, kept, descriptors);
+  Keypoints result;
+  for (std::size_t i = 0; i < kept.size(); ++i) {
+    result.pixels.push_back(FullPixel(kept[i].pt, reduction));
+    result.sizes.push_back(static_cast<float>(reduction) * kept[i].size);
+    const float* row = descriptors.ptr<float>(static_cast<int>(i));
+    std::transform(row, row + kDescriptorSize, result.descriptors.emplace_back().begin(),
+                   [](float value) { return static_cast<std::uint8_t>(value); });
+  }
+  return result;
+}
+
+}  // namespace rigmap

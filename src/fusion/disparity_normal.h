@@ -1,0 +1,17 @@
+// Surface normals from disparities.
+#pragma once
+
+#include "imaging/depth_map.h"
+
+namespace rigmap {
+
+// Unit normal of the surface at a pixel, rectified axes, towards the camera; zero where fewer than
+// kMinNormalPixels known pixels around it belong to the same surface.
+//
+// On a plane n . x = h, the disparity f b / z is f b / h n . (x/z, y/z, 1): affine in the pixel. A
+// plane is fitted by least squares to every second disparity in a window of 9 x 9, those that
+// differ from the middle by more than a step of 1.5 px left out.
+inline constexpr int kMinNormalPixels = 10;
+Eigen::Vector3d NormalInRectified(const DepthMap& map, int row, int column);
+
+}  // namespace rigmap

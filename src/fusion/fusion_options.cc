@@ -1,0 +1,18 @@
+#include "fusion/fusion_options.h"
+
+namespace rigmap {
+
+void FusionOptions::Validate() const {
+  RequireOption(voxel_m >= 1e-4, "fusion.voxel_m", "at least 0.0001", voxel_m);
+  RequireOption(neighbours >= 0, "fusion.neighbours", "at least 0", neighbours);
+  RequireOption(max_neighbour_angle_deg > 0.0 && max_neighbour_angle_deg <= 180.0,
+                "fusion.max_neighbour_angle_deg", "above 0, at most 180", max_neighbour_angle_deg);
+  RequireOption(agreement_sigmas > 0.0, "fusion.agreement_sigmas", "above 0", agreement_sigmas);
+  RequireOption(min_views >= 1 && min_views <= neighbours + 1, "fusion.min_views",
+                "1 to fusion.neighbours + 1", min_views);
+  RequireOption(better_view_share >= 0.0 && better_view_share <= 1.0, "fusion.better_view_share",
+                "0 to 1", better_view_share);
+  RequireOption(min_observations >= 1, "fusion.min_observations", "at least 1", min_observations);
+}
+
+}  // namespace rigmap

@@ -1,0 +1,110 @@
+#include "fusion/voxel_grid.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "core/error.h"
+
+namespace rigmap {
+namespace {
+
+constexpr int kAxisBits = 21;
+constexpr std::int64_t kHalf = std::int64_t{1} << (kAxisBits - 1);
+constexpr std::uint64_t kAxisMask = (std::uint64_t{1} << kAxisBits) - 1;
+
+std::uint64_t KeyOf(const Eigen::Vector3d& x_in_voxels) {
+  std::uint64_t key = 0;
+  for (const double value : {x_in_voxels.x(), x_in_voxels.y(), x_in_voxels.z()}) {
+    if (!(std::abs(value) < static_cast<double>(kHalf - 1))) {
+      throw DataError(fmt::format(
+          "fusion: expected points within {} voxels of the origin, found {}", kHalf, value));
+    }
+    const auto cell = static_cast<std::int64_t>(std::floor(value)) + kHalf;
+    key = (key << kAxisBits) | static_cast<std::uint64_t>(cell);
+  }
+  return key;
+}
+
+Eigen::Vector3d CornerOf(std::uint64_t key) {
+  const auto axis = [key](int shift) {
+    return static_cast<double>(static_cast<std::int64_t>((key >> shift) & kAxisMask) - kHalf);
+  };
+  return {axis(2 * kAxisBits), axis(kAxisBits), axis(0)};
+}
+
+// The finaliser of splitmix64 (Steele et al. 2014): every key bit changes half of the hash's.
+std::size_t HashOf(std::uint64_t key) {
+  key = (key ^ (key >> 30U)) * 0xBF58476D1CE4E5B9ULL;
+  key = (key ^ (key >> 27U)) * 0x94D049BB133111EBULL;
+  return key ^ (key >> 31U);
+}
+
+}  // namespace
+
+void VoxelGrid::Add(const SurfaceSample& sample) {
+  const Eigen::Vector3d x_in_voxels = sample.x_in_world / voxel_m_;
+  Voxel& voxel = At(KeyOf(x_in_voxels));
+  const float weight = 1.0F / (sample.sigma_m * sample.sigma_m);
+  voxel.offset += weight * (x_in_voxels - CornerOf(voxel.key)).cast<float>();
+  voxel.normal += weight * sample.normal;
+  voxel.rgb += weight * Eigen::Vector3f(sample.rgb[0], sample.rgb[1], sample.rgb[2]);
+  voxel.weight += weight;
+  voxel.observations += static_cast<std::uint32_t>(sample.observations);
+  ++voxel.samples;
+}
+
+VoxelGrid::Voxel& VoxelGrid::At(std::uint64_t key) {
+  if (2 * voxels_.size() >= slots_.size()) Grow();
+  const std::size_t mask = slots_.size() - 1;
+  std::size_t slot = HashOf(key) & mask;
+  while (slots_[slot] != kEmpty && voxels_[slots_[slot]].key != key) slot = (slot + 1) & mask;
+  if (slots_[slot] == kEmpty) {
+    slots_[slot] = static_cast<std::uint32_t>(voxels_.size());
+    voxels_.emplace_back().key = key;
+  }
+  return voxels_[slots_[slot]];
+}
+
+void VoxelGrid::Grow() {
+  slots_.assign(2 * slots_.size(), kEmpty);
+  const std::size_t mask = slots_.size() - 1;
+  for (std::uint32_t i = 0; i < voxels_.size(); ++i) {
+    std::size_t slot = HashOf(voxels_[i].key) & mask;
+    while (slots_[slot] != kEmpty) slot = (slot + 1) & mask;
+    slots_[slot] = i;
+  }
+}
+
+SurfacePoint VoxelGrid::PointOf(const Voxel& voxel) const {
+  SurfacePoint point;
+  const Eigen::Vector3d offset = (voxel.offset / voxel.weight).cast<double>();
+  point.x_in_world = (voxel_m_ * (CornerOf(voxel.key) + offset)).cast<float>();
+  const float length = voxel.normal.norm();
+  if (length > 0.0F) point.normal = voxel.normal / length;
+  for (int i = 0; i < 3; ++i) {
+    point.rgb[i] = static_cast<std::uint8_t>(std::lround(voxel.rgb[i] / voxel.weight));
+  }
+  constexpr std::uint32_t kMost = std::numeric_limits<std::uint16_t>::max();
+  point.observations = static_cast<std::uint16_t>(std::min(voxel.observations, kMost));
+  // The root mean inverse variance, not the sigma of the mean: samples share their frames' errors.
+  point.sigma_m = std::sqrt(static_cast<float>(voxel.samples) / voxel.weight);
+  return point;
+}
+
+PointCloud VoxelGrid::Points(int min_observations) const {
+  std::vector<std::uint32_t> order;
+  for (std::uint32_t i = 0; i < voxels_.size(); ++i) {
+    if (voxels_[i].observations >= static_cast<std::uint32_t>(min_observations)) order.push_back(i);
+  }
+  std::sort(order.begin(), order.end(),
+            [this](std::uint32_t a, std::uint32_t b) { return voxels_[a].key < voxels_[b].key; });
+  PointCloud points;
+  points.reserve(order.size());
+  for (const std::uint32_t i : order) points.push_back(PointOf(voxels_[i]));
+  return points;
+}
+
+}  // namespace rigmap

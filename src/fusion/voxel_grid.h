@@ -1,0 +1,56 @@
+// Averages of points in the cubes of a grid.
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "scene/point_cloud.h"
+
+namespace rigmap {
+
+// What one frame says about the surface at a point.
+struct SurfaceSample {
+  Eigen::Vector3d x_in_world;  // metres
+  Eigen::Vector3f normal;      // unit, in world; zero where unknown
+  std::array<std::uint8_t, 3> rgb{};
+  float sigma_m = 0.0F;  // > 0
+  int observations = 1;  // depth pixels it was made from
+};
+
+// Cubes are hashed; 64 bytes per touched cube. The world reaches 2^20 cubes from the origin in each
+// direction (10 km at 1 cm). Not thread-safe.
+class VoxelGrid {
+ public:
+  explicit VoxelGrid(double voxel_m) : voxel_m_(voxel_m), slots_(kFirstSlots, kEmpty) {}
+
+  // Weighs the sample by 1 / sigma^2. Throws DataError for a point outside the world.
+  void Add(const SurfaceSample& sample);
+
+  // One point per cube with at least `min_observations`, ordered by cube (x, then y, then z). The
+  // order of Add changes it by rounding only.
+  PointCloud Points(int min_observations) const;
+
+ private:
+  struct Voxel {
+    std::uint64_t key = 0;
+    Eigen::Vector3f offset{0.0F, 0.0F, 0.0F};  // from the cube's corner, weighted sum
+    Eigen::Vector3f normal{0.0F, 0.0F, 0.0F};
+    Eigen::Vector3f rgb{0.0F, 0.0F, 0.0F};
+    float weight = 0.0F;
+    std::uint32_t observations = 0, samples = 0;
+  };
+  static constexpr std::uint32_t kEmpty = 0xFFFFFFFFU;
+  static constexpr std::size_t kFirstSlots = 1U << 16U;
+
+  Voxel& At(std::uint64_t key);
+  void Grow();
+  SurfacePoint PointOf(const Voxel& voxel) const;
+
+  double voxel_m_;
+  std::vector<std::uint32_t> slots_;  // open addressing, a power of two; index into voxels_
+  std::vector<Voxel> voxels_;
+};
+
+}  // namespace rigmap

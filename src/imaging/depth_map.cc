@@ -1,0 +1,86 @@
+#include "imaging/depth_map.h"
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/imgcodecs.hpp>
+#include <vector>
+
+#include "core/artefact.h"
+#include "geometry/serialize.h"
+
+namespace rigmap {
+namespace {
+
+constexpr double kStoredSteps = 64.0;  // per pixel of disparity
+
+struct StoredDepth {
+  StampNs stamp_ns = 0;
+  Camera camera;
+  Rigid3 left_from_rectified;
+  double baseline_m = 0.0, disparity_sigma_px = 0.0;
+  std::vector<uchar> disparity_png, colour_png;
+
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(stamp_ns, camera, left_from_rectified, baseline_m, disparity_sigma_px, disparity_png,
+            colour_png);
+  }
+};
+
+std::vector<uchar> EncodePng(const cv::Mat& image) {
+  std::vector<uchar> png;
+  cv::imencode(".png", image, png, {cv::IMWRITE_PNG_COMPRESSION, 1});
+  return png;
+}
+
+}  // namespace
+
+std::optional<double> DisparityBiasPx(const DepthMap& map,
+                                      std::span<const Eigen::Vector3d> x_in_left) {
+  const Rigid3 rectified_from_left = map.left_from_rectified.Inverse();
+  std::vector<double> differences;
+  for (const Eigen::Vector3d& x : x_in_left) {
+    const Eigen::Vector3d x_in_rectified = rectified_from_left * x;
+    const std::optional<Eigen::Vector2d> pixel = Project(map.camera, x_in_rectified);
+    if (!pixel || !map.camera.Contains(*pixel)) continue;
+    const double found = map.disparity.at<float>(static_cast<int>(std::lround(pixel->y())),
+                                                 static_cast<int>(std::lround(pixel->x())));
+    const double expected = map.camera.fx * map.baseline_m / x_in_rectified.z();
+    if (found > 0.0 && std::abs(found - expected) <= kMaxBiasPx) {
+      differences.push_back(found - expected);
+    }
+  }
+  if (static_cast<int>(differences.size()) < kMinBiasPoints) return std::nullopt;
+  const auto middle = differences.begin() + static_cast<std::ptrdiff_t>(differences.size() / 2);
+  std::nth_element(differences.begin(), middle, differences.end());
+  return *middle;
+}
+
+void SaveDepth(const std::filesystem::path& path, const std::string& key, const DepthMap& map) {
+  cv::Mat steps, colour = map.colour.clone();
+  map.disparity.convertTo(steps, CV_16U, kStoredSteps);
+  colour.setTo(cv::Scalar::all(0), map.disparity == 0.0F);
+  const StoredDepth stored{
+      map.stamp_ns,           map.camera,       map.left_from_rectified, map.baseline_m,
+      map.disparity_sigma_px, EncodePng(steps), EncodePng(colour)};
+  WriteArtefact(path, key, stored);
+}
+
+std::optional<DepthMap> LoadDepth(const std::filesystem::path& path, const std::string& key) {
+  const auto stored = ReadArtefact<StoredDepth>(path, key);
+  if (!stored) return std::nullopt;
+  DepthMap map{stored->stamp_ns,
+               stored->camera,
+               stored->left_from_rectified,
+               stored->baseline_m,
+               stored->disparity_sigma_px,
+               {},
+               {}};
+  const cv::Mat steps = cv::imdecode(stored->disparity_png, cv::IMREAD_UNCHANGED);
+  map.colour = cv::imdecode(stored->colour_png, cv::IMREAD_COLOR);
+  if (steps.empty() || map.colour.empty()) return std::nullopt;
+  steps.convertTo(map.disparity, CV_32F, 1.0 / kStoredSteps);
+  return map;
+}
+
+}  // namespace rigmap

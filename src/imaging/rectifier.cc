@@ -1,0 +1,172 @@
+#include "imaging/rectifier.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <opencv2/imgproc.hpp>
+#include <optional>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include "core/error.h"
+#include "imaging/mask.h"
+
+namespace rigmap {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+// Bounds of normalised coordinates.
+struct Bounds {
+  Eigen::Vector2d low{kInfinity, kInfinity};
+  Eigen::Vector2d high{-kInfinity, -kInfinity};
+
+  bool Empty() const { return low.x() > high.x(); }
+  void Add(const Eigen::Vector2d& point) {
+    low = low.cwiseMin(point);
+    high = high.cwiseMax(point);
+  }
+};
+
+// Whether the distortion still grows outwards at the undistorted ray: beyond its turning point the
+// model folds back, and rays from outside the view would show the image once more.
+bool Unfolded(const Camera& camera, const Eigen::Vector2d& normalised) {
+  const double r2 = normalised.squaredNorm();
+  return 1.0 + 3.0 * camera.k1 * r2 + 5.0 * camera.k2 * r2 * r2 > 0.0;
+}
+
+// The rectified ray of a pixel; nothing where the calibration has no inverse.
+std::optional<Eigen::Vector2d> RectifiedRay(const Camera& camera,
+                                            const Eigen::Quaterniond& rectified_from_eye,
+                                            const Eigen::Vector2d& pixel) {
+  const std::optional<Eigen::Vector2d> normalised = Undistort(camera, pixel);
+  if (!normalised || !Unfolded(camera, *normalised)) return std::nullopt;
+  const Eigen::Vector3d ray = rectified_from_eye * normalised->homogeneous();
+  if (ray.z() <= 0.0) return std::nullopt;
+  return ray.hnormalized();
+}
+
+// Bounds of the rectified rays of all usable pixels. A continuous map takes a region's extremes at
+// its border: only the outermost pixel with a ray is looked at, from both ends of each row and
+// column.
+Bounds UsableBounds(const RigEye& eye, const Eigen::Quaterniond& rectified_from_eye) {
+  const cv::Mat mask = StaticMask(eye);
+  Bounds bounds;
+  const auto add_outermost = [&](cv::Point from, cv::Point step, int length) {
+    for (int i = 0; i < length; ++i, from += step) {
+      if (mask.at<uchar>(from) == 0) continue;
+      const auto ray = RectifiedRay(eye.camera, rectified_from_eye, {from.x, from.y});
+      if (!ray) continue;
+      bounds.Add(*ray);
+      return;
+    }
+  };
+  for (int row = 0; row < mask.rows; ++row) {
+    add_outermost({0, row}, {1, 0}, mask.cols);
+    add_outermost({mask.cols - 1, row}, {-1, 0}, mask.cols);
+  }
+  for (int column = 0; column < mask.cols; ++column) {
+    add_outermost({column, 0}, {0, 1}, mask.rows);
+    add_outermost({column, mask.rows - 1}, {0, -1}, mask.rows);
+  }
+  return bounds;
+}
+
+// Shortens low..high to at most `longest`, both ends in the same proportion about the axis.
+void CutTo(double longest, double& low, double& high) {
+  const double length = high - low;
+  if (length <= longest) return;
+  low *= longest / length;
+  high *= longest / length;
+}
+
+// Principal point and length of a view that holds low..high (px from the principal point). Whole
+// pixels away from the left camera's own principal point: a rectified rig is not resampled.
+std::pair<double, int> Place(double own, double low, double high) {
+  constexpr double kRounding = 1e-6;  // px
+  const double principal = own + std::ceil(-low - own - kRounding);
+  return {principal, static_cast<int>(std::ceil(high + principal - kRounding)) + 1};
+}
+
+}  // namespace
+
+Rectifier::Rectifier(const StereoRig& rig) {
+  const RectifiedAxes axes = Rectify(rig.right_from_left);
+  left_from_rectified_ = axes.rectified_from_left.conjugate();
+  baseline_m_ = axes.baseline_m;
+
+  Bounds bounds = UsableBounds(rig.left, axes.rectified_from_left);
+  if (bounds.Empty()) {
+    throw DataError(rig.source + ": expected usable pixels in the left eye, found none");
+  }
+  const Bounds right = UsableBounds(rig.right, axes.rectified_from_right);
+  bounds.low.x() = std::min(bounds.low.x(), right.low.x());
+
+  const Camera& left = rig.left.camera;
+  const double focal = std::max(left.fx, left.fy);
+  CutTo(kMaxGrowth * left.width / focal, bounds.low.x(), bounds.high.x());
+  CutTo(kMaxGrowth * left.height / focal, bounds.low.y(), bounds.high.y());
+  camera_.fx = camera_.fy = focal;
+  std::tie(camera_.cx, camera_.width) =
+      Place(left.cx, focal * bounds.low.x(), focal * bounds.high.x());
+  std::tie(camera_.cy, camera_.height) =
+      Place(left.cy, focal * bounds.low.y(), focal * bounds.high.y());
+
+  left_ = MakeMaps(left, left_from_rectified_);
+  right_ = MakeMaps(rig.right.camera, axes.rectified_from_right.conjugate());
+}
+
+Rectifier::Maps Rectifier::MakeMaps(const Camera& eye,
+                                    const Eigen::Quaterniond& eye_from_rectified) const {
+  constexpr float kOutside = -1e4F;  // further than any interpolation reaches
+  Maps maps{cv::Mat(camera_.height, camera_.width, CV_32FC1, kOutside),
+            cv::Mat(camera_.height, camera_.width, CV_32FC1, kOutside)};
+  const Eigen::Matrix3d rotation = eye_from_rectified.toRotationMatrix();
+  for (int row = 0; row < camera_.height; ++row) {
+    for (int column = 0; column < camera_.width; ++column) {
+      const Eigen::Vector3d ray = rotation * Eigen::Vector3d((column - camera_.cx) / camera_.fx,
+                                                             (row - camera_.cy) / camera_.fy, 1.0);
+      if (ray.z() <= 0.0 || !Unfolded(eye, ray.hnormalized())) continue;
+      const Eigen::Vector2d pixel = Distort(eye, ray.hnormalized());
+      if (!eye.Contains(pixel)) continue;
+      maps.x.at<float>(row, column) = static_cast<float>(pixel.x());
+      maps.y.at<float>(row, column) = static_cast<float>(pixel.y());
+    }
+  }
+  return maps;
+}
+
+namespace {
+
+cv::Mat Resample(const cv::Mat& image, const cv::Mat& x, const cv::Mat& y) {
+  cv::Mat view;
+  // Replicated, so that the half pixel outside the outermost centres is not darkened; outside the
+  // image the maps point so far away that this would repeat the border: cleared below.
+  cv::remap(image, view, x, y, cv::INTER_LINEAR, cv::BORDER_REPLICATE);
+  view.setTo(cv::Scalar::all(0), x < -1.0F);
+  return view;
+}
+
+cv::Mat ResampleMask(const cv::Mat& mask, const cv::Mat& x, const cv::Mat& y) {
+  cv::Mat view;
+  cv::remap(mask, view, x, y, cv::INTER_LINEAR, cv::BORDER_CONSTANT, cv::Scalar(0));
+  return view == 255;
+}
+
+}  // namespace
+
+cv::Mat Rectifier::RectifyLeft(const cv::Mat& image) const {
+  return Resample(image, left_.x, left_.y);
+}
+cv::Mat Rectifier::RectifyRight(const cv::Mat& image) const {
+  return Resample(image, right_.x, right_.y);
+}
+cv::Mat Rectifier::RectifyLeftMask(const cv::Mat& mask) const {
+  return ResampleMask(mask, left_.x, left_.y);
+}
+cv::Mat Rectifier::RectifyRightMask(const cv::Mat& mask) const {
+  return ResampleMask(mask, right_.x, right_.y);
+}
+
+}  // namespace rigmap

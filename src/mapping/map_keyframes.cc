@@ -1,0 +1,175 @@
+#include "mapping/map_keyframes.h"
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+
+#include "colmap/mapper.h"
+#include "colmap/model_io.h"
+#include "core/error.h"
+#include "core/progress.h"
+
+namespace rigmap {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct MadeModel {
+  fs::path folder;
+  SparseModel model;
+};
+
+class KeyframeMapper {
+ public:
+  KeyframeMapper(const ColmapInstallation& colmap, const GraphWithPoses& input,
+                 const MappingPaths& paths, const MappingOptions& options, int threads)
+      : colmap_(colmap), input_(input), paths_(paths), options_(options), threads_(threads) {
+    fs::remove_all(paths.models);
+    fs::create_directories(paths.models);
+  }
+
+  MappingResult Seeded() {
+    const int keyframes = static_cast<int>(input_.graph.keyframes.size());
+    Progress progress("mapping", 2 * input_.graph.keyframes.size());
+    std::vector<bool> left_over(keyframes, true);
+    while (static_cast<int>(made_.size()) < options_.max_models) {
+      const int length = std::min(options_.seed_keyframes, keyframes);
+      const auto first = BestSeedStart(input_.graph, left_over, length);
+      if (!first) break;
+      // A seed that fails is not tried again.
+      for (int k = *first; k < *first + length; ++k) left_over[k] = false;
+      MapFrom(*first, length, progress);
+      MarkRegistered(left_over);
+    }
+    if (made_.empty()) {
+      Remark("no seed led to a model, so the odometric poses were triangulated");
+      return Triangulated();
+    }
+    return Finish("seeded");
+  }
+
+  MappingResult Triangulated() {
+    const fs::path poses = paths_.scratch / "poses";
+    const int keyframes = static_cast<int>(input_.graph.keyframes.size());
+    WriteModel(MakeSeedModel(input_, 0, keyframes), poses);
+    const fs::path output = paths_.scratch / "triangulated";
+    RunPointTriangulator(colmap_, {},
+                         {.database = paths_.database,
+                          .images = paths_.images,
+                          .input_model = poses,
+                          .output = output,
+                          .log = paths_.log,
+                          .threads = threads_});
+    Keep(output);
+    return Finish("triangulate");
+  }
+
+  MappingResult Unseeded() {
+    Progress progress("mapping", 2 * input_.graph.keyframes.size());
+    const fs::path run = paths_.scratch / "unseeded";
+    auto request = Request(run, progress, 0);
+    try {
+      for (const fs::path& model : RunMapper(colmap_, StockMapperOptions(), request)) Keep(model);
+    } catch (const ToolError& error) {
+      Remark(fmt::format("unseeded mapping led to no model: {}", error.what()));
+    }
+    if (made_.empty()) {
+      Remark("without a model the odometric poses were triangulated");
+      return Triangulated();
+    }
+    return Finish("unseeded");
+  }
+
+ private:
+  MapperRequest Request(const fs::path& output, Progress& progress, std::size_t before) const {
+    MapperRequest request;
+    request.database = paths_.database;
+    request.images = paths_.images;
+    request.output = output;
+    request.log = paths_.log;
+    request.threads = threads_;
+    request.on_progress = [&progress, before](int registered) {
+      progress.Set(before + static_cast<std::size_t>(registered));
+    };
+    return request;
+  }
+
+  void MapFrom(int first, int length, Progress& progress) {
+    const fs::path seed = paths_.scratch / "seed", run = paths_.scratch / "run";
+    WriteModel(MakeSeedModel(input_, first, length), seed);
+    std::size_t before = 0;
+    for (const MadeModel& made : made_) before += made.model.images.size();
+    MapperRequest request = Request(run, progress, before);
+    request.seed = seed;
+    try {
+      for (const fs::path& model : RunMapper(colmap_, {}, request)) Keep(model);
+    } catch (const ToolError& error) {
+      Remark(fmt::format("the seed at keyframe {} led to no model: {}", first, error.what()));
+    }
+  }
+
+  void Remark(const std::string& sentence) {
+    spdlog::warn("{}", sentence);
+    result_.remarks.push_back(sentence);
+  }
+
+  void Keep(const fs::path& model) {
+    const fs::path kept = paths_.models / fmt::format("made-{}", made_.size());
+    fs::rename(model, kept);
+    made_.push_back({kept, ReadModel(kept)});
+  }
+
+  // Largest first, the folders numbered alike.
+  MappingResult Finish(const std::string& method) {
+    std::stable_sort(made_.begin(), made_.end(), [](const MadeModel& a, const MadeModel& b) {
+      return a.model.images.size() > b.model.images.size();
+    });
+    for (MadeModel& made : made_) {
+      const fs::path numbered = paths_.models / std::to_string(result_.models.size());
+      fs::rename(made.folder, numbered);
+      spdlog::info("model {}: {} images, {} points", numbered.string(), made.model.images.size(),
+                   made.model.points.size());
+      result_.models.push_back(std::move(made.model));
+    }
+    result_.method = method;
+    return std::move(result_);
+  }
+
+  // Keyframes of the last model, and short runs that are left, are not seeded again.
+  void MarkRegistered(std::vector<bool>& left_over) const {
+    if (made_.empty()) return;
+    for (const SparseImage& image : made_.back().model.images) {
+      left_over[(image.id - 1) / 2] = false;
+    }
+    const int keyframes = static_cast<int>(left_over.size());
+    for (int first = 0; first < keyframes; ++first) {
+      int end = first;
+      while (end < keyframes && left_over[end]) ++end;
+      if (end - first < options_.min_model_keyframes) {
+        std::fill(left_over.begin() + first, left_over.begin() + end, false);
+      }
+      first = end;
+    }
+  }
+
+  const ColmapInstallation& colmap_;
+  const GraphWithPoses& input_;
+  const MappingPaths& paths_;
+  const MappingOptions& options_;
+  int threads_;
+  std::vector<MadeModel> made_;  // in the order in which they were made
+  MappingResult result_;
+};
+
+}  // namespace
+
+MappingResult MapKeyframes(const ColmapInstallation& colmap, const GraphWithPoses& input,
+                           const MappingPaths& paths, const MappingOptions& options, int threads) {
+  KeyframeMapper mapper(colmap, input, paths, options, threads);
+  if (options.method == "triangulate") return mapper.Triangulated();
+  if (options.method == "unseeded") return mapper.Unseeded();
+  return mapper.Seeded();
+}
+
+}  // namespace rigmap

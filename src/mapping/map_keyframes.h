@@ -1,0 +1,37 @@
+// The stage `mapping`: COLMAP poses the keyframes, in its own gauge.
+#pragma once
+
+#include <filesystem>
+
+#include "colmap/installation.h"
+#include "mapping/mapping_options.h"
+#include "mapping/seed_model.h"
+
+namespace rigmap {
+
+struct MappingPaths {
+  std::filesystem::path database, images;
+  std::filesystem::path models;   // replaced; sub-models are left in models/0, models/1, ...
+  std::filesystem::path scratch;  // on the models' file system; may be removed afterwards
+  std::filesystem::path log;
+};
+
+struct MappingResult {
+  std::vector<SparseModel> models;   // largest first, as in the folders
+  std::string method;                // of MappingOptions, that gave them
+  std::vector<std::string> remarks;  // what went otherwise than planned, a sentence each
+
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(models, method, remarks);
+  }
+};
+
+// Seeds the mapper with a metric model of the keyframes that hang together best and lets it go on;
+// where it stops with keyframes left, seeds anew there. When COLMAP makes no model, seeded or not,
+// the odometric poses are triangulated instead, and a remark says so. Throws ToolError when COLMAP
+// cannot be run.
+MappingResult MapKeyframes(const ColmapInstallation& colmap, const GraphWithPoses& input,
+                           const MappingPaths& paths, const MappingOptions& options, int threads);
+
+}  // namespace rigmap

@@ -1,0 +1,63 @@
+#include "matching/anchors.h"
+
+#include <Eigen/LU>
+#include <cmath>
+
+namespace rigmap {
+namespace {
+
+GreyView View(const Patch& patch) { return {patch.data(), kPatchSize, kPatchSize, kPatchSize}; }
+
+Eigen::Vector2d OffsetInPatch(const Eigen::Vector2d& pixel) {
+  return pixel - Eigen::Vector2d(std::round(pixel.x()), std::round(pixel.y()));
+}
+
+const Eigen::Vector2i kPatchCentre(kPatchRadius, kPatchRadius);
+
+}  // namespace
+
+AnchoredFrame MakeAnchored(FrameFeatures features) {
+  AnchoredFrame frame;
+  frame.refined = features.features;
+  frame.aligned.assign(features.features.size(), false);
+  for (std::size_t i = 0; i < features.features.size(); ++i) {
+    frame.anchors.push_back({features.patches[i], OffsetInPatch(features.features[i].left)});
+  }
+  frame.found = std::move(features);
+  return frame;
+}
+
+bool AlignWithAnchor(const AnchoredFrame& earlier, int a, AnchoredFrame& later, int b, double scale,
+                     const MatchingOptions& options) {
+  const Anchor& anchor = earlier.anchors[a];
+  const Eigen::Vector2d found = later.found.features[b].left;
+  const Eigen::Vector2d patch_origin = found - OffsetInPatch(found) - kPatchCentre.cast<double>();
+  PatchWarp start;
+  start.linear = scale * anchor.frame_from_patch;
+  start.position = found - patch_origin - start.linear * anchor.offset;
+  PatchAlignmentOptions alignment;
+  alignment.max_shift_px = 2.0;
+  const auto result =
+      AlignPatch(View(anchor.patch), kPatchCentre, View(later.found.patches[b]), start, alignment);
+  if (!result || result->correlation < options.min_correlation ||
+      result->sigma_px > options.max_position_sigma_px) {
+    return false;
+  }
+  const Eigen::Vector2d moved =
+      patch_origin + result->warp.position + result->warp.linear * anchor.offset;
+  Feature& refined = later.refined[b];
+  if (refined.right) *refined.right += moved - refined.left;
+  refined.left = moved;
+  later.aligned[b] = true;
+  const double growth = std::sqrt(std::abs(result->warp.linear.determinant()));
+  constexpr double kMaxGrowth = 1.5;
+  if (growth < kMaxGrowth && growth > 1.0 / kMaxGrowth) {
+    later.anchors[b] = {anchor.patch, anchor.offset, result->warp.linear};
+  } else {
+    // The patch of this view, around the refined place, serves those to come.
+    later.anchors[b] = {later.found.patches[b], moved - patch_origin - kPatchCentre.cast<double>()};
+  }
+  return true;
+}
+
+}  // namespace rigmap

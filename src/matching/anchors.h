@@ -1,0 +1,38 @@
+// Positions of features, refined so that all views of a place mean the same spot of ground.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "correspondence/patch_alignment.h"
+#include "matching/matching_options.h"
+#include "scene/features.h"
+
+namespace rigmap {
+
+// The view of a place that its later views are aligned with: a grey patch, and the warp from it to
+// the frame at hand.
+struct Anchor {
+  Patch patch{};
+  Eigen::Vector2d offset = Eigen::Vector2d::Zero();  // of the place from the patch's centre
+  Eigen::Matrix2d frame_from_patch = Eigen::Matrix2d::Identity();
+};
+
+// Anchors and current positions of one frame's features.
+struct AnchoredFrame {
+  FrameFeatures found;           // as extracted
+  std::vector<Feature> refined;  // the same features where they were moved to
+  std::vector<Anchor> anchors;   // one per feature; at first its own patch
+  std::vector<bool> aligned;     // true once a feature took an earlier view's anchor
+};
+
+AnchoredFrame MakeAnchored(FrameFeatures features);
+
+// Aligns feature b of `later` with the anchor of feature a of `earlier` and moves it there, its
+// stereo partner along with it; the anchor is handed on, or made anew where the view has changed by
+// more than half in size. `scale` is the expected growth from earlier to later. False, with nothing
+// changed, where the patches do not agree.
+bool AlignWithAnchor(const AnchoredFrame& earlier, int a, AnchoredFrame& later, int b, double scale,
+                     const MatchingOptions& options);
+
+}  // namespace rigmap

@@ -1,0 +1,38 @@
+#include "matching/matching_options.h"
+
+namespace rigmap {
+
+OptionFields MatchingOptions::Fields() {
+  return {{"neighbours", &neighbours},
+          {"min_overlap", &min_overlap},
+          {"max_revisits", &max_revisits},
+          {"search_radius_px", &search_radius_px},
+          {"max_search_radius_px", &max_search_radius_px},
+          {"keypoint_noise_px", &keypoint_noise_px},
+          {"disparity_noise_px", &disparity_noise_px},
+          {"max_sigmas", &max_sigmas},
+          {"min_inliers", &min_inliers},
+          {"min_correlation", &min_correlation},
+          {"max_position_sigma_px", &max_position_sigma_px}};
+}
+
+void MatchingOptions::Validate() const {
+  const auto positive = [](const char* name, double value) {
+    RequireOption(value > 0.0, std::string("matching.") + name, "more than 0", value);
+  };
+  RequireOption(neighbours >= 1 && neighbours <= 50, "matching.neighbours", "1 to 50", neighbours);
+  RequireOption(min_overlap > 0.0 && min_overlap <= 1.0, "matching.min_overlap", "0 to 1",
+                min_overlap);
+  RequireOption(max_revisits >= 0, "matching.max_revisits", "0 or more", max_revisits);
+  RequireOption(min_inliers >= 6, "matching.min_inliers", "at least 6", min_inliers);
+  RequireOption(min_correlation > 0.0 && min_correlation < 1.0, "matching.min_correlation",
+                "between 0 and 1", min_correlation);
+  positive("search_radius_px", search_radius_px);
+  positive("max_search_radius_px", max_search_radius_px);
+  positive("keypoint_noise_px", keypoint_noise_px);
+  positive("disparity_noise_px", disparity_noise_px);
+  positive("max_sigmas", max_sigmas);
+  positive("max_position_sigma_px", max_position_sigma_px);
+}
+
+}  // namespace rigmap

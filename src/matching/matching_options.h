@@ -1,0 +1,35 @@
+// Options of the stage `matching`.
+#pragma once
+
+#include "core/options.h"
+
+namespace rigmap {
+
+struct MatchingOptions {
+  // Every keyframe is matched with so many before it. Sand leaves half its matches from one frame
+  // to the next, so that beyond four little is gained.
+  int neighbours = 4;
+  // Earlier keyframes further back are tried where at least this share of a keyframe's stereo
+  // points should be in view there again (revisits that odometry knows of), at most so many each.
+  double min_overlap = 0.3;
+  int max_revisits = 2;
+  // Matches are looked for so far (px) from where the odometry predicts them; grows with the
+  // steps between the frames, each of which adds its own error.
+  double search_radius_px = 8.0;
+  double max_search_radius_px = 60.0;
+  // One standard deviation (px) of a matched keypoint before refinement, and how many of them a
+  // verified match may be off under one motion of the rig.
+  double keypoint_noise_px = 0.3;
+  double disparity_noise_px = 0.15;
+  double max_sigmas = 4.0;
+  int min_inliers = 15;
+  // Positions are refined by aligning grey patches with the first view of a place; a patch that
+  // correlates less, or whose position is less certain (px), is dropped from the match.
+  double min_correlation = 0.8;
+  double max_position_sigma_px = 0.15;
+
+  OptionFields Fields();
+  void Validate() const;  // throws UsageError
+};
+
+}  // namespace rigmap

@@ -1,0 +1,62 @@
+#include "matching/pair_selection.h"
+
+#include <algorithm>
+
+namespace rigmap {
+namespace {
+
+std::vector<int> Keyframes(const Odometry& odometry) {
+  std::vector<int> keyframes;
+  for (std::size_t i = 0; i < odometry.size(); ++i) {
+    if (odometry[i].keyframe) keyframes.push_back(static_cast<int>(i));
+  }
+  return keyframes;
+}
+
+// Share of the points that the other frame has in view.
+double Overlap(const std::vector<Eigen::Vector3d>& points, const Rigid3& other_from_own,
+               const Camera& camera) {
+  if (points.empty()) return 0.0;
+  const auto seen = std::count_if(points.begin(), points.end(), [&](const Eigen::Vector3d& x) {
+    const auto pixel = Project(camera, other_from_own * x);
+    return pixel && camera.Contains(*pixel);
+  });
+  return static_cast<double>(seen) / static_cast<double>(points.size());
+}
+
+}  // namespace
+
+std::vector<CandidatePair> SelectPairs(
+    const Odometry& odometry, const std::vector<std::vector<Eigen::Vector3d>>& sample_points,
+    const StereoRig& rig, const MatchingOptions& options) {
+  const std::vector<int> keyframes = Keyframes(odometry);
+  std::vector<CandidatePair> pairs;
+  for (int k = 0; k < static_cast<int>(keyframes.size()); ++k) {
+    const int b = keyframes[k];
+    std::vector<std::pair<double, int>> revisited;
+    for (int earlier = k - 1; earlier >= 0; --earlier) {
+      const int a = keyframes[earlier];
+      if (k - earlier <= options.neighbours) {
+        pairs.push_back({a, b, false});
+        continue;
+      }
+      const Rigid3 a_from_b = odometry[a].world_from_left.Inverse() * odometry[b].world_from_left;
+      const double overlap = Overlap(sample_points[b], a_from_b, rig.left.camera);
+      if (overlap >= options.min_overlap) revisited.emplace_back(-overlap, a);
+    }
+    std::sort(revisited.begin(), revisited.end());
+    for (std::size_t i = 0; i < revisited.size() && static_cast<int>(i) < options.max_revisits;
+         ++i) {
+      pairs.push_back({revisited[i].second, b, true});
+    }
+  }
+  for (int frame = 0; frame < static_cast<int>(odometry.size()); ++frame) {
+    if (odometry[frame].keyframe) continue;
+    const auto next = std::lower_bound(keyframes.begin(), keyframes.end(), frame);
+    if (next != keyframes.begin()) pairs.push_back({*(next - 1), frame, false});
+    if (next != keyframes.end()) pairs.push_back({frame, *next, false});
+  }
+  return pairs;
+}
+
+}  // namespace rigmap

@@ -1,0 +1,236 @@
+#include "odometry/track_frames.h"
+
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "correspondence/feature_matching.h"
+#include "correspondence/stereo_points.h"
+#include "correspondence/stereo_pose.h"
+#include "odometry/motion_model.h"
+
+namespace rigmap {
+namespace {
+
+// A frame with what is needed to pose others against it.
+struct Reference {
+  int frame = 0;
+  FrameFeatures features;
+  std::vector<std::optional<StereoPoint>> points;
+  int point_count = 0;
+};
+
+// A motion found between a reference and the current frame.
+struct Found {
+  Rigid3 current_from_reference;
+  Matrix6d covariance = Matrix6d::Zero();
+  int inliers = 0;
+  double median_shift_px = 0.0;  // of the inliers' left pixels
+};
+
+Reference MakeReference(int frame, FrameFeatures features, const StereoRig& rig,
+                        const OdometryOptions& options) {
+  Reference reference{.frame = frame, .features = std::move(features)};
+  reference.points =
+      TriangulateFeatures(reference.features.features, rig, options.disparity_noise_px);
+  reference.point_count =
+      static_cast<int>(std::count_if(reference.points.begin(), reference.points.end(),
+                                     [](const auto& point) { return point.has_value(); }));
+  return reference;
+}
+
+std::vector<FeatureMatch> MatchNear(const Reference& reference, const FrameFeatures& current,
+                                    const StereoRig& rig, const Rigid3& predicted,
+                                    double radius_px) {
+  std::vector<std::optional<Eigen::Vector2d>> pixels;
+  for (const auto& point : reference.points) {
+    pixels.push_back(point ? Project(rig.left.camera, predicted * point->x_in_left) : std::nullopt);
+  }
+  return MatchFeatures(reference.features, current, pixels, radius_px, {});
+}
+
+double MedianShift(const Reference& reference, const FrameFeatures& current,
+                   const std::vector<FeatureMatch>& matches) {
+  std::vector<double> shifts;
+  for (const FeatureMatch& match : matches) {
+    shifts.push_back(
+        (current.features[match.b].left - reference.features.features[match.a].left).norm());
+  }
+  const auto middle = shifts.begin() + static_cast<std::ptrdiff_t>(shifts.size() / 2);
+  std::nth_element(shifts.begin(), middle, shifts.end());
+  return *middle;
+}
+
+std::optional<Found> Solve(const Reference& reference, const FrameFeatures& current,
+                           const std::vector<FeatureMatch>& matches, const StereoRig& rig,
+                           const Rigid3& predicted, const OdometryOptions& options) {
+  std::vector<PointSighting> sightings;
+  std::vector<FeatureMatch> used;
+  for (const FeatureMatch& match : matches) {
+    const auto& point = reference.points[match.a];
+    const Feature& seen = current.features[match.b];
+    const auto left = Undistort(rig.left.camera, seen.left);
+    if (!point || !left) continue;
+    const auto right = seen.right ? Undistort(rig.right.camera, *seen.right) : std::nullopt;
+    sightings.push_back({point->x_in_left, point->depth_sigma_m, *left, right});
+    used.push_back(match);
+  }
+  StereoPoseOptions pose_options;
+  pose_options.noise_px = options.keypoint_noise_px;
+  pose_options.max_sigmas = options.max_sigmas;
+  pose_options.min_inliers = options.min_inliers;
+  const std::array<Rigid3, 2> guesses{predicted, Rigid3()};
+  const auto pose = EstimateStereoPose(sightings, rig, guesses, pose_options);
+  if (!pose) return std::nullopt;
+  std::vector<FeatureMatch> inliers;
+  for (std::size_t i = 0; i < used.size(); ++i) {
+    if (pose->inliers[i]) inliers.push_back(used[i]);
+  }
+  return Found{pose->current_from_reference, pose->covariance, pose->inlier_count,
+               MedianShift(reference, current, inliers)};
+}
+
+// Near the prediction first; everywhere when that finds too few to be sure of.
+std::optional<Found> FindMotion(const Reference& reference, const FrameFeatures& current,
+                                const StereoRig& rig, const Rigid3& predicted,
+                                const OdometryOptions& options) {
+  const auto near = MatchNear(reference, current, rig, predicted, options.search_radius_px);
+  auto found = Solve(reference, current, near, rig, predicted, options);
+  constexpr int kSureTimes = 3;
+  if (found && found->inliers >= kSureTimes * options.min_inliers) return found;
+  const auto everywhere = MatchFeatures(reference.features, current, {});
+  auto wider = Solve(reference, current, everywhere, rig, predicted, options);
+  if (!found || (wider && wider->inliers > found->inliers)) return wider;
+  return found;
+}
+
+bool StandsStill(const Found& found, const OdometryOptions& options) {
+  Vector6d motion;
+  motion << found.current_from_reference.translation,
+      LogRotation(found.current_from_reference.rotation);
+  const double squared_sigmas = motion.dot(found.covariance.ldlt().solve(motion)) / 6.0;
+  return squared_sigmas < options.stand_still_sigmas * options.stand_still_sigmas;
+}
+
+bool NeedsKeyframe(const Found& found, const Reference& reference, const StereoRig& rig,
+                   const OdometryOptions& options) {
+  return found.inliers < options.keyframe_min_seen_share * reference.point_count ||
+         found.median_shift_px > options.keyframe_max_shift_share * rig.left.camera.width;
+}
+
+class Tracker {
+ public:
+  Tracker(const StereoRig& rig, const OdometryOptions& options) : rig_(rig), options_(options) {}
+
+  void Start(FrameFeatures features) {
+    OdometryFrame frame{.stamp_ns = features.stamp_ns};
+    frame.source = PoseSource::kOdometry;
+    frame.keyframe = true;
+    odometry_.push_back(frame);
+    keyframe_ = MakeReference(0, std::move(features), rig_, options_);
+    previous_ = keyframe_;
+  }
+
+  void Add(FrameFeatures features) {
+    const int index = static_cast<int>(odometry_.size());
+    const Rigid3 predicted = PredictPose(odometry_, features.stamp_ns);
+    const auto found = FindFromAny(features, predicted);
+    OdometryFrame& frame = odometry_.emplace_back();
+    frame.stamp_ns = features.stamp_ns;
+    if (found) {
+      Place(*found, frame);
+    } else {
+      frame.world_from_left = predicted;
+      frame.reference = index - 1;
+      spdlog::info("frame {}: no motion found, predicted", index);
+    }
+    previous_ = MakeReference(index, std::move(features), rig_, options_);
+    if (!NeedsKeyframeNow(found)) return;
+    if (!found && !before_loss_) before_loss_ = std::move(keyframe_);
+    PromotePrevious();
+  }
+
+  Odometry Finish() {
+    BridgePredicted(odometry_);
+    SetPredictionCovariances(odometry_, options_);
+    return std::move(odometry_);
+  }
+
+ private:
+  // Against the keyframe, else the frame before, else the keyframe that was lost: the one that
+  // served is the keyframe from then on.
+  std::optional<Found> FindFromAny(const FrameFeatures& current, const Rigid3& predicted) {
+    auto found = FindFrom(keyframe_, current, predicted);
+    if (!found && previous_.frame != keyframe_.frame && CanCarry(previous_)) {
+      PromotePrevious();
+      found = FindFrom(keyframe_, current, predicted);
+    }
+    if (!found && before_loss_) {
+      found = FindFrom(*before_loss_, current, predicted);
+      if (found) TakeUpLost();
+    }
+    if (found) before_loss_.reset();
+    return found;
+  }
+
+  // What was seen since the loss leads nowhere: an image of something else.
+  void TakeUpLost() {
+    keyframe_ = std::move(*before_loss_);
+    for (std::size_t i = keyframe_.frame + 1; i < odometry_.size(); ++i) {
+      if (odometry_[i].source == PoseSource::kPredicted) odometry_[i].keyframe = false;
+    }
+  }
+
+  std::optional<Found> FindFrom(const Reference& reference, const FrameFeatures& current,
+                                const Rigid3& predicted) const {
+    const Rigid3& world_from_reference = odometry_[reference.frame].world_from_left;
+    return FindMotion(reference, current, rig_, predicted.Inverse() * world_from_reference,
+                      options_);
+  }
+
+  void Place(const Found& found, OdometryFrame& frame) const {
+    frame.reference = keyframe_.frame;
+    frame.source = PoseSource::kOdometry;
+    frame.inliers = found.inliers;
+    frame.step_covariance = found.covariance;
+    frame.stands_still = StandsStill(found, options_);
+    const Rigid3 motion = frame.stands_still ? Rigid3() : found.current_from_reference;
+    frame.world_from_left = odometry_[keyframe_.frame].world_from_left * motion.Inverse();
+  }
+
+  bool NeedsKeyframeNow(const std::optional<Found>& found) const {
+    if (!CanCarry(previous_)) return false;
+    if (!found) return true;  // tracking starts anew here
+    return !odometry_.back().stands_still && NeedsKeyframe(*found, keyframe_, rig_, options_);
+  }
+
+  // True where there is enough to pose other frames against.
+  bool CanCarry(const Reference& reference) const {
+    return reference.point_count >= options_.min_inliers;
+  }
+
+  void PromotePrevious() {
+    keyframe_ = previous_;
+    odometry_[keyframe_.frame].keyframe = true;
+  }
+
+  const StereoRig& rig_;
+  const OdometryOptions& options_;
+  Odometry odometry_;
+  Reference keyframe_, previous_;
+  std::optional<Reference> before_loss_;  // the keyframe when tracking had to start anew
+};
+
+}  // namespace
+
+Odometry TrackFrames(int frame_count, const FeatureSource& features, const StereoRig& rig,
+                     const OdometryOptions& options) {
+  if (frame_count == 0) return {};
+  Tracker tracker(rig, options);
+  tracker.Start(features(0));
+  for (int frame = 1; frame < frame_count; ++frame) tracker.Add(features(frame));
+  return tracker.Finish();
+}
+
+}  // namespace rigmap

@@ -1,0 +1,139 @@
+#include "scale/baseline_scale.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+
+#include "scene/keyframe_graph.h"
+
+namespace rigmap {
+namespace {
+
+constexpr double kSigmaOfMedian = 1.4826;
+
+double Median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+std::map<int, Rigid3> LeftPoses(const SparseModel& model) {
+  std::map<int, Rigid3> poses;
+  for (const SparseImage& image : model.images) {
+    const int keyframe = static_cast<int>((image.id - 1) / 2);
+    if (image.id == LeftImageId(keyframe)) poses[keyframe] = image.camera_from_model.Inverse();
+  }
+  return poses;
+}
+
+// Distance between the eyes, model units, per keyframe that has both.
+std::map<int, double> EyeDistances(const SparseModel& model) {
+  const std::map<int, Rigid3> left = LeftPoses(model);
+  std::map<int, double> distances;
+  for (const SparseImage& image : model.images) {
+    const int keyframe = static_cast<int>((image.id - 1) / 2);
+    const auto other = left.find(keyframe);
+    if (image.id != RightImageId(keyframe) || other == left.end()) continue;
+    distances[keyframe] =
+        (image.camera_from_model.Inverse().translation - other->second.translation).norm();
+  }
+  return distances;
+}
+
+// Where a model hangs: its own keyframe, and the one placed already that is nearest to it in time
+// (nothing while none is).
+struct Hook {
+  int keyframe = 0;
+  std::optional<int> placed;
+};
+
+Hook NearestHook(const std::vector<int>& of_model, const std::set<int>& placed) {
+  Hook best{of_model.front(), std::nullopt};
+  for (const int keyframe : of_model) {
+    for (const int other : placed) {
+      if (!best.placed || std::abs(other - keyframe) < std::abs(*best.placed - best.keyframe)) {
+        best = {keyframe, other};
+      }
+    }
+  }
+  return best;
+}
+
+// The similarity of this scale that lays a camera of the model on its place in the world.
+Sim3 LayOn(const Rigid3& world_from_left, const Rigid3& model_from_left, double scale) {
+  const Sim3 world{scale, world_from_left.rotation, world_from_left.translation};
+  const Rigid3 left_from_model = model_from_left.Inverse();
+  return world * Sim3{1.0, left_from_model.rotation, left_from_model.translation};
+}
+
+}  // namespace
+
+OptionFields ScaleOptions::Fields() {
+  return {{"max_sigmas", &max_sigmas}, {"min_tolerated_share", &min_tolerated_share}};
+}
+
+void ScaleOptions::Validate() const {
+  RequireOption(max_sigmas > 0.0, "scale.max_sigmas", "more than 0", max_sigmas);
+  RequireOption(min_tolerated_share >= 0.0, "scale.min_tolerated_share", "0 or more",
+                min_tolerated_share);
+}
+
+std::optional<BaselineScale> MeasureBaseline(const SparseModel& model, double baseline_m,
+                                             const ScaleOptions& options) {
+  const std::map<int, double> distances = EyeDistances(model);
+  std::vector<double> all, deviations, used;
+  for (const auto& [keyframe, distance] : distances) all.push_back(distance);
+  if (all.empty()) return std::nullopt;
+  const double median = Median(all);
+  if (!(median > 0.0)) return std::nullopt;
+  for (double distance : all) deviations.push_back(std::abs(distance - median));
+  BaselineScale result;
+  const double sigma = kSigmaOfMedian * Median(deviations);
+  result.relative_spread = sigma / median;
+  const double tolerated =
+      std::max(options.max_sigmas * sigma, options.min_tolerated_share * median);
+  for (const auto& [keyframe, distance] : distances) {
+    const bool good = std::abs(distance - median) <= tolerated;
+    (good ? result.pairs_used : result.pairs_rejected).push_back(keyframe);
+    if (good) used.push_back(distance);
+  }
+  result.metres_per_model_unit = baseline_m / Median(used);
+  return result;
+}
+
+PlacedKeyframes PlaceModels(const std::vector<SparseModel>& models,
+                            const std::vector<Rigid3>& odometric, const StereoRig& rig,
+                            const ScaleOptions& options) {
+  PlacedKeyframes placed;
+  placed.world_from_left.resize(odometric.size());
+  std::set<int> sound;  // keyframes placed whose baseline agrees: others do not carry a model
+  for (std::size_t m = 0; m < models.size(); ++m) {
+    const auto scale = MeasureBaseline(models[m], rig.Baseline(), options);
+    if (!scale) continue;
+    const std::map<int, Rigid3> poses = LeftPoses(models[m]);
+    const Hook hook = NearestHook(scale->pairs_used, sound);
+    // With nothing to hang on the odometric pose itself serves.
+    const Rigid3 world_from_left =
+        hook.placed ? *placed.world_from_left[*hook.placed] *
+                          (odometric[*hook.placed].Inverse() * odometric[hook.keyframe])
+                    : odometric[hook.keyframe];
+    PlacedModel laid{.model = static_cast<int>(m), .scale = *scale};
+    laid.world_from_model =
+        LayOn(world_from_left, poses.at(hook.keyframe), scale->metres_per_model_unit);
+    for (const auto& [keyframe, model_from_left] : poses) {
+      if (placed.world_from_left[keyframe]) continue;
+      placed.world_from_left[keyframe] = TransformPose(laid.world_from_model, model_from_left);
+      laid.keyframes.push_back(keyframe);
+    }
+    for (const int keyframe : scale->pairs_used) {
+      if (std::binary_search(laid.keyframes.begin(), laid.keyframes.end(), keyframe)) {
+        sound.insert(keyframe);
+      }
+    }
+    placed.models.push_back(std::move(laid));
+  }
+  return placed;
+}
+
+}  // namespace rigmap

@@ -1,0 +1,51 @@
+// Which features of which frames show the same place.
+#pragma once
+
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "scene/features.h"
+
+namespace rigmap {
+
+// Matches between two frames (indices into Correspondences::features), a < b, one to one.
+struct FramePair {
+  int a = 0, b = 0;
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> matches;  // feature of a, feature of b
+
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(a, b, matches);
+  }
+};
+
+// Verified correspondences of a part. features[f] are frame f's, in the order in which they were
+// extracted, their positions refined so that all views of a place mean the same spot of ground.
+struct Correspondences {
+  std::vector<std::vector<Feature>> features;
+  std::vector<FramePair> pairs;
+
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(features, pairs);
+  }
+};
+
+// One feature of one frame.
+struct FeatureRef {
+  int frame = 0;
+  int feature = 0;
+
+  auto operator<=>(const FeatureRef&) const = default;
+
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(frame, feature);
+  }
+};
+
+// A place and the features that show it, at most one per frame, in order of frames.
+using Track = std::vector<FeatureRef>;
+
+}  // namespace rigmap

@@ -1,0 +1,67 @@
+// What a dataset folder holds: paths and stamps, no pixels.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/stamp.h"
+#include "scene/rig.h"
+
+namespace rigmap {
+
+struct StereoFrame {
+  StampNs stamp_ns = 0;
+  std::string left_path, right_path;  // absolute
+
+  const std::string& PathOf(Eye eye) const { return eye == Eye::kLeft ? left_path : right_path; }
+
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(stamp_ns, left_path, right_path);
+  }
+};
+
+// "left/<stamp_ns>.<ext>" or "right/...": the name under which COLMAP knows a frame's image. The
+// extension is the file's, in lower case.
+std::string ImageName(const StereoFrame& frame, Eye eye);
+
+// Direction of the measured acceleration (up, at rest), in IMU axes, m/s^2.
+struct InclinometerSample {
+  StampNs stamp_ns = 0;
+  Eigen::Vector3d acceleration_in_imu = Eigen::Vector3d::Zero();
+
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(stamp_ns, acceleration_in_imu);
+  }
+};
+
+// What was wrong with the input but could be passed over.
+struct DatasetHealth {
+  int images_read = 0;                         // image files seen, both eyes
+  std::vector<std::string> lone_images;        // no partner with the same stamp
+  std::vector<std::string> unreadable_images;  // their frames are left out
+  std::vector<std::string> remarks;            // other findings, a sentence each
+
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(images_read, lone_images, unreadable_images, remarks);
+  }
+};
+
+struct Dataset {
+  std::string format;  // "katwijk" or "stereo"
+  StereoRig rig;
+  std::vector<StereoFrame> frames;               // strictly increasing stamps
+  std::vector<InclinometerSample> inclinometer;  // about one per frame, averaged around its stamp
+  std::string truth_path;                        // a TUM file that came with the data; empty: none
+  DatasetHealth health;
+
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(format, rig, frames, inclinometer, truth_path, health);
+  }
+};
+
+}  // namespace rigmap

@@ -1,0 +1,51 @@
+// Keypoints of a stereo frame. A feature is a keypoint of the left image; where its partner in the
+// right image was found, it carries that too. Correspondences name features by their index.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "core/stamp.h"
+#include "geometry/serialize.h"
+
+namespace rigmap {
+
+constexpr int kDescriptorSize = 128;
+constexpr int kPatchRadius = 10;
+constexpr int kPatchSize = 2 * kPatchRadius + 1;
+
+using Descriptor = std::array<std::uint8_t, kDescriptorSize>;
+// Grey values around the rounded left keypoint, row by row.
+using Patch = std::array<std::uint8_t, kPatchSize * kPatchSize>;
+
+struct Feature {
+  Eigen::Vector2d left;                  // px, OpenCV convention, distorted image
+  std::optional<Eigen::Vector2d> right;  // its partner on the epipolar line
+  float size = 0.0F;                     // diameter of the keypoint, px
+
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(left, right, size);
+  }
+};
+
+// Features, descriptors and patches run in parallel: one entry of each per feature.
+struct FrameFeatures {
+  StampNs stamp_ns = 0;
+  std::vector<Feature> features;
+  std::vector<Descriptor> descriptors;
+  std::vector<Patch> patches;
+  // Signed distances (px, right image) of stereo partners from their epipolar line, as found
+  // before any was rejected for it.
+  std::vector<float> epipolar_errors_px;
+  double usable_share = 1.0;  // of the left image that is not masked
+
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(stamp_ns, features, descriptors, patches, epipolar_errors_px, usable_share);
+  }
+};
+
+}  // namespace rigmap

@@ -1,0 +1,32 @@
+// What stereo odometry knows of a part: a pose for every frame, each hanging on a keyframe.
+#pragma once
+
+#include <vector>
+
+#include "scene/trajectory.h"
+
+namespace rigmap {
+
+struct OdometryFrame {
+  StampNs stamp_ns = 0;
+  Rigid3 world_from_left;  // metres; world = left camera axes of the first frame
+  // The frame whose stereo points this one was posed against (its own index for the first); a
+  // predicted frame hangs on the frame before it.
+  int reference = 0;
+  // Of left_from_reference's motion, as a left perturbation: translation (m), rotation (rad).
+  Matrix6d step_covariance = Matrix6d::Zero();
+  PoseSource source = PoseSource::kPredicted;
+  bool keyframe = false;
+  bool stands_still = false;  // no motion against its reference
+  int inliers = 0;
+
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(stamp_ns, world_from_left, reference, step_covariance, source, keyframe, stands_still,
+            inliers);
+  }
+};
+
+using Odometry = std::vector<OdometryFrame>;
+
+}  // namespace rigmap

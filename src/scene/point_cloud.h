@@ -1,0 +1,21 @@
+// A coloured surface as points.
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstdint>
+#include <vector>
+
+namespace rigmap {
+
+struct SurfacePoint {
+  Eigen::Vector3f x_in_world;                // metres
+  Eigen::Vector3f normal{0.0F, 0.0F, 0.0F};  // unit, towards the cameras; zero where unknown
+  std::array<std::uint8_t, 3> rgb{};
+  std::uint16_t observations = 0;  // depth pixels that were merged into it
+  float sigma_m = 0.0F;            // one standard deviation along the viewing rays
+};
+
+using PointCloud = std::vector<SurfacePoint>;
+
+}  // namespace rigmap

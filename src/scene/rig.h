@@ -1,0 +1,56 @@
+// The calibrated stereo rig.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+
+#include "geometry/camera.h"
+#include "geometry/rigid3.h"
+#include "geometry/serialize.h"
+
+namespace rigmap {
+
+enum class Eye { kLeft = 0, kRight = 1 };
+constexpr std::array<Eye, 2> kEyes{Eye::kLeft, Eye::kRight};
+
+// Inclusive pixel rectangle in which the calibration holds, OpenCV convention.
+struct PixelRegion {
+  int x0 = 0, y0 = 0, x1 = 0, y1 = 0;
+
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(x0, y0, x1, y1);
+  }
+};
+
+struct RigEye {
+  Camera camera;
+  std::optional<PixelRegion> calibrated_region;
+  std::string mask_path;  // image whose zero pixels are ignored; empty: none
+
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(camera, calibrated_region, mask_path);
+  }
+};
+
+// Two cameras fixed to each other. Camera axes: x right, y down, z forward; the rig frame is the
+// left camera. Lengths in metres.
+struct StereoRig {
+  RigEye left, right;
+  Rigid3 right_from_left;
+  std::optional<Eigen::Vector3d> antenna_in_left;  // GPS antenna, left camera axes
+  std::optional<Rigid3> imu_from_left;
+  std::string source;  // file it was read from, for messages
+
+  double Baseline() const { return right_from_left.translation.norm(); }
+  const RigEye& Of(Eye eye) const { return eye == Eye::kLeft ? left : right; }
+
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(left, right, right_from_left, antenna_in_left, imu_from_left, source);
+  }
+};
+
+}  // namespace rigmap

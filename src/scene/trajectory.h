@@ -1,0 +1,42 @@
+// Poses over time.
+#pragma once
+
+#include <Eigen/Core>
+#include <string_view>
+#include <vector>
+
+#include "core/stamp.h"
+#include "geometry/serialize.h"
+
+namespace rigmap {
+
+using Vector6d = Eigen::Matrix<double, 6, 1>;
+using Matrix6d = Eigen::Matrix<double, 6, 6>;
+
+// How a pose was got: from the adjustment, from odometry alone, or predicted from the motion.
+enum class PoseSource { kAdjusted = 0, kOdometry = 1, kPredicted = 2 };
+
+constexpr std::string_view Name(PoseSource source) {
+  return source == PoseSource::kAdjusted   ? "adjusted"
+         : source == PoseSource::kOdometry ? "odometry"
+                                           : "predicted";
+}
+
+struct TimedPose {
+  StampNs stamp_ns = 0;
+  Rigid3 world_from_left;
+  // One standard deviation relative to the first posed frame, along and about the world axes:
+  // x y z in metres, then rotations about x y z in radians.
+  Vector6d sigmas = Vector6d::Zero();
+  PoseSource source = PoseSource::kPredicted;
+  bool keyframe = false;
+
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(stamp_ns, world_from_left, sigmas, source, keyframe);
+  }
+};
+
+using Trajectory = std::vector<TimedPose>;  // strictly increasing stamps
+
+}  // namespace rigmap

@@ -1,0 +1,129 @@
+#include "core/file.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <iterator>
+#include <ostream>
+
+#include "core/error.h"
+#include "tests/core/temporary_folder.h"
+
+namespace rigmap {
+namespace {
+
+using testing::HasSubstr;
+
+std::ptrdiff_t CountEntries(const std::filesystem::path& folder) {
+  return std::distance(std::filesystem::directory_iterator(folder),
+                       std::filesystem::directory_iterator());
+}
+
+TEST(FileTest, WriteAndReadAreInverse) {
+  const TemporaryFolder folder;
+  const auto path = folder.Path() / "deep" / "er" / "file.bin";
+  for (const std::string& content :
+       {std::string("a\r\nb\0c", 6), std::string(), std::string("x")}) {
+    WriteFileAtomically(path, [&](std::ostream& stream) { stream << content; });
+    EXPECT_EQ(ReadTextFile(path), content);
+  }
+  EXPECT_EQ(CountEntries(path.parent_path()), 1);
+}
+
+TEST(FileTest, ThrowingWriterLeavesTheOldFileAndNothingElse) {
+  const TemporaryFolder folder;
+  const auto path = folder.Write("file.txt", "old");
+  EXPECT_THROW(WriteFileAtomically(path,
+                                   [](std::ostream& stream) {
+                                     stream << "half of the ne";
+                                     throw std::runtime_error("stop");
+                                   }),
+               std::runtime_error);
+  EXPECT_EQ(ReadTextFile(path), "old");
+  EXPECT_EQ(CountEntries(folder.Path()), 1);
+}
+
+TEST(FileTest, FailedStreamLeavesTheOldFile) {
+  const TemporaryFolder folder;
+  const auto path = folder.Write("file.txt", "old");
+  const auto fail = [](std::ostream& stream) { stream.setstate(std::ios::badbit); };
+  EXPECT_THROW(WriteFileAtomically(path, fail), DataError);
+  EXPECT_EQ(ReadTextFile(path), "old");
+  EXPECT_EQ(CountEntries(folder.Path()), 1);
+}
+
+TEST(FileTest, TheOldFileIsThereUntilTheEnd) {
+  const TemporaryFolder folder;
+  const auto path = folder.Write("file.txt", "old");
+  WriteFileAtomically(path, [&](std::ostream& stream) {
+    stream << "new" << std::flush;
+    EXPECT_EQ(ReadTextFile(path), "old");
+  });
+  EXPECT_EQ(ReadTextFile(path), "new");
+}
+
+// A folder stands where the temporary would: the reason is the operating system's.
+TEST(FileTest, FailureToOpenSaysWhy) {
+  const TemporaryFolder folder;
+  std::filesystem::create_directories(folder.Path() / "file.txt.unfinished" / "inside");
+  const auto message = MessageOf<DataError>([&] {
+    WriteFileAtomically(folder.Path() / "file.txt", [](std::ostream& stream) { stream << "x"; });
+  });
+  EXPECT_THAT(message, HasSubstr("Is a directory"));
+}
+
+TEST(FileTest, WhatCannotBeReadIsNamed) {
+  const TemporaryFolder folder;
+  const auto missing = folder.Path() / "none.txt";
+  EXPECT_THAT(MessageOf<DataError>([&] { ReadTextFile(missing); }),
+              testing::AllOf(HasSubstr(missing.string()), HasSubstr("No such file")));
+  EXPECT_THAT(MessageOf<DataError>([&] { ReadTextFile(folder.Path()); }),
+              HasSubstr("expected a file, found a folder"));
+}
+
+TEST(FolderTest, NewFolderTakesThePlaceOfTheOld) {
+  const TemporaryFolder folder;
+  folder.Write("model/old.txt", "old");
+  const auto path = folder.Path() / "model";
+  WriteFolderAtomically(path, [&](const std::filesystem::path& temporary) {
+    EXPECT_TRUE(IsTemporaryName(temporary.filename().string()));
+    EXPECT_TRUE(std::filesystem::exists(path / "old.txt"));
+    WriteFileAtomically(temporary / "new.txt", [](std::ostream& stream) { stream << "new"; });
+  });
+  EXPECT_EQ(ReadTextFile(path / "new.txt"), "new");
+  EXPECT_EQ(CountEntries(path), 1);
+  EXPECT_EQ(CountEntries(folder.Path()), 1);
+}
+
+TEST(FolderTest, ThrowingWriterLeavesTheOldFolderAndNothingElse) {
+  const TemporaryFolder folder;
+  folder.Write("model/old.txt", "old");
+  const auto path = folder.Path() / "model";
+  EXPECT_THROW(WriteFolderAtomically(path,
+                                     [](const std::filesystem::path& temporary) {
+                                       std::ofstream(temporary / "half.txt") << "half";
+                                       throw std::runtime_error("stop");
+                                     }),
+               std::runtime_error);
+  EXPECT_EQ(ReadTextFile(path / "old.txt"), "old");
+  EXPECT_EQ(CountEntries(folder.Path()), 1);
+}
+
+TEST(FolderTest, LeftoversOfAKilledRunDoNotStay) {
+  const TemporaryFolder folder;
+  folder.Write("model.unfinished/half.txt", "half");
+  const auto path = folder.Path() / "model";
+  WriteFolderAtomically(path, [](const std::filesystem::path& temporary) {
+    std::ofstream(temporary / "new.txt") << "new";
+  });
+  EXPECT_EQ(CountEntries(path), 1);
+  EXPECT_EQ(CountEntries(folder.Path()), 1);
+}
+
+TEST(FileTest, TemporaryNames) {
+  EXPECT_TRUE(IsTemporaryName("file.txt.unfinished"));
+  EXPECT_FALSE(IsTemporaryName("file.txt"));
+}
+
+}  // namespace
+}  // namespace rigmap

@@ -1,0 +1,217 @@
+#include "correspondence/patch_alignment.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <numbers>
+#include <vector>
+
+#include "tests/support/seeded_random.h"
+
+namespace rigmap {
+namespace {
+
+constexpr int kSize = 61;
+const Eigen::Vector2i kCentre(30, 30);
+using Surface = std::function<double(const Eigen::Vector2d&)>;
+
+// Waves of 7 to 25 px in all directions, grey values about 90 +- 30.
+Surface RandomTexture(SeededRandom& random) {
+  std::vector<Eigen::Vector3d> waves;
+  for (int i = 0; i < 12; ++i) {
+    const double direction = random.Uniform(0.0, 2.0 * std::numbers::pi);
+    const double number = 2.0 * std::numbers::pi / random.Uniform(9.0, 25.0);
+    waves.emplace_back(number * std::cos(direction), number * std::sin(direction),
+                       random.Uniform(0.0, 2.0 * std::numbers::pi));
+  }
+  return [waves](const Eigen::Vector2d& x) {
+    double sum = 0.0;
+    for (const auto& wave : waves) sum += std::sin(wave.head<2>().dot(x) + wave.z());
+    return 90.0 + 10.0 * sum;
+  };
+}
+
+struct Image {
+  std::vector<std::uint8_t> grey = std::vector<std::uint8_t>(kSize * kSize);
+  GreyView View() const { return {grey.data(), kSize, kSize, kSize}; }
+};
+
+// `surface` seen through `warp` from the source's centre, with a gain and an offset of brightness.
+Image Draw(const Surface& surface, const PatchWarp& warp, double gain = 1.0, double offset = 0.0) {
+  const Eigen::Matrix2d source_from_target = warp.linear.inverse();
+  Image image;
+  for (int i = 0; i < kSize * kSize; ++i) {
+    const Eigen::Vector2d x(i % kSize, i / kSize);
+    const double grey = surface(source_from_target * (x - warp.position));
+    image.grey[i] = static_cast<std::uint8_t>(
+        std::clamp(std::lround(gain * grey + offset), std::lround(0.0), std::lround(255.0)));
+  }
+  return image;
+}
+
+PatchWarp AtCentre() { return {.position = kCentre.cast<double>()}; }
+
+PatchWarp Turned(double angle_rad, double scale, const Eigen::Vector2d& shift) {
+  PatchWarp warp;
+  warp.linear = scale * Eigen::Rotation2Dd(angle_rad).toRotationMatrix();
+  warp.position = kCentre.cast<double>() + shift;
+  return warp;
+}
+
+Eigen::Vector2d RandomShift(double reach_px, SeededRandom& random) {
+  return {random.Uniform(-reach_px, reach_px), random.Uniform(-reach_px, reach_px)};
+}
+
+constexpr double kDegree = std::numbers::pi / 180.0;
+
+TEST(AlignPatch, FindsSubPixelShifts) {
+  SeededRandom random;
+  for (int trial = 0; trial < 50; ++trial) {
+    const Surface surface = RandomTexture(random);
+    const Image source = Draw(surface, AtCentre());
+    const PatchWarp truth = Turned(0.0, 1.0, RandomShift(1.5, random));
+    const auto found =
+        AlignPatch(source.View(), kCentre, Draw(surface, truth).View(), AtCentre(), {});
+    ASSERT_TRUE(found) << trial;
+    EXPECT_LT((found->warp.position - truth.position).norm(), 0.03) << trial;
+    EXPECT_GT(found->correlation, 0.99);
+    EXPECT_LT(found->sigma_px, 0.05);
+  }
+}
+
+TEST(AlignPatch, FindsScaleRotationGainAndOffset) {
+  SeededRandom random;
+  for (int trial = 0; trial < 50; ++trial) {
+    const Surface surface = RandomTexture(random);
+    const Image source = Draw(surface, AtCentre());
+    const double angle_rad = (trial % 2 ? 5.0 : -5.0) * kDegree,
+                 scale = trial % 4 < 2 ? 1.2 : 1 / 1.2;
+    const PatchWarp truth = Turned(angle_rad, scale, RandomShift(1.0, random));
+    const Image target = Draw(surface, truth, 1.5, 20.0);
+    const auto found = AlignPatch(source.View(), kCentre, target.View(), AtCentre(), {});
+    ASSERT_TRUE(found) << trial;
+    EXPECT_LT((found->warp.position - truth.position).norm(), 0.03) << trial;
+    EXPECT_LT((found->warp.linear - truth.linear).cwiseAbs().maxCoeff(), 0.03) << trial;
+    EXPECT_GT(found->correlation, 0.99);
+  }
+}
+
+TEST(AlignPatch, ThereAndBackIsTheIdentity) {
+  SeededRandom random;
+  for (int trial = 0; trial < 20; ++trial) {
+    const Surface surface = RandomTexture(random);
+    const Image a = Draw(surface, AtCentre());
+    const Image b = Draw(surface, Turned(0.05, 1.1, RandomShift(0.5, random)));
+    const auto there = AlignPatch(a.View(), kCentre, b.View(), AtCentre(), {});
+    const auto back = AlignPatch(b.View(), kCentre, a.View(), AtCentre(), {});
+    ASSERT_TRUE(there && back);
+    // b's centre goes to back.position; from there to b again.
+    const Eigen::Vector2d again =
+        there->warp.position + there->warp.linear * (back->warp.position - kCentre.cast<double>());
+    EXPECT_LT((again - kCentre.cast<double>()).norm(), 0.05) << trial;
+  }
+}
+
+TEST(AlignPatch, BrightnessDoesNotMatter) {
+  SeededRandom random;
+  const Surface surface = RandomTexture(random);
+  const Image source = Draw(surface, AtCentre());
+  const PatchWarp truth = Turned(0.0, 1.0, {0.4, -0.7});
+  const auto plain =
+      AlignPatch(source.View(), kCentre, Draw(surface, truth).View(), AtCentre(), {});
+  const auto dimmed =
+      AlignPatch(source.View(), kCentre, Draw(surface, truth, 0.6, 60.0).View(), AtCentre(), {});
+  ASSERT_TRUE(plain && dimmed);
+  EXPECT_LT((plain->warp.position - dimmed->warp.position).norm(), 0.02);  // px, of rounding
+}
+
+TEST(AlignPatch, RefusesFlatPatches) {
+  SeededRandom random;
+  const Image texture = Draw(RandomTexture(random), AtCentre());
+  const Image flat = Draw([](const Eigen::Vector2d&) { return 100.0; }, AtCentre());
+  Image noisy = flat;
+  for (auto& grey : noisy.grey)
+    grey = static_cast<std::uint8_t>(grey + (random.Uniform(0, 1) < 0.5));
+  EXPECT_FALSE(AlignPatch(flat.View(), kCentre, flat.View(), AtCentre(), {}));
+  EXPECT_FALSE(AlignPatch(noisy.View(), kCentre, noisy.View(), AtCentre(), {}));
+  EXPECT_FALSE(AlignPatch(flat.View(), kCentre, texture.View(), AtCentre(), {}));
+  EXPECT_FALSE(AlignPatch(texture.View(), kCentre, flat.View(), AtCentre(), {}));
+}
+
+TEST(AlignPatch, RefusesOrDoubtsEdges) {
+  SeededRandom random;
+  for (int trial = 0; trial < 40; ++trial) {
+    const double direction = random.Uniform(0.0, 2.0 * std::numbers::pi);
+    const Eigen::Vector2d across(std::cos(direction), std::sin(direction));
+    const double noise = trial < 20 ? 0.0 : 2.0;  // grey levels
+    const Surface edge = [&](const Eigen::Vector2d& x) {
+      return 100.0 + 60.0 * std::tanh(across.dot(x) / 2.0) +
+             (noise > 0.0 ? random.Normal(noise) : 0.0);
+    };
+    const Image source = Draw(edge, AtCentre());
+    const Image target = Draw(edge, Turned(0.0, 1.0, RandomShift(0.5, random)));
+    const auto found = AlignPatch(source.View(), kCentre, target.View(), AtCentre(), {});
+    if (found) {
+      EXPECT_GT(found->sigma_px, 0.15)
+          << "edge across " << across.transpose() << " noise " << noise;
+    }
+  }
+}
+
+TEST(AlignPatch, WrongPatchesCorrelateLittle) {
+  SeededRandom random;
+  int accepted = 0;
+  constexpr int kTrials = 200;
+  for (int trial = 0; trial < kTrials; ++trial) {
+    const Image source = Draw(RandomTexture(random), AtCentre());
+    const Image other = Draw(RandomTexture(random), AtCentre());
+    const auto found = AlignPatch(source.View(), kCentre, other.View(), AtCentre(), {});
+    accepted += found && found->correlation > 0.8;
+  }
+  EXPECT_LE(accepted, kTrials / 50);
+}
+
+TEST(AlignPatch, SigmaIsHonest) {
+  SeededRandom random;
+  constexpr int kTrials = 300;
+  double squared_errors = 0.0, squared_sigmas = 0.0;
+  for (int trial = 0; trial < kTrials; ++trial) {
+    const Surface surface = RandomTexture(random);
+    const Surface noisy = [&](const Eigen::Vector2d& x) { return surface(x) + random.Normal(4.0); };
+    const PatchWarp truth = Turned(0.0, 1.0, RandomShift(0.5, random));
+    const auto found = AlignPatch(Draw(surface, AtCentre()).View(), kCentre,
+                                  Draw(noisy, truth).View(), AtCentre(), {});
+    ASSERT_TRUE(found);
+    squared_errors += (found->warp.position - truth.position).squaredNorm();
+    squared_sigmas += found->sigma_px * found->sigma_px;
+  }
+  // The error has two axes, of which sigma is the worse; bilinear samples halve the noise.
+  const double errors_per_sigma = std::sqrt(squared_errors / squared_sigmas);
+  EXPECT_GT(errors_per_sigma, 0.7);
+  EXPECT_LT(errors_per_sigma, 1.6);
+}
+
+TEST(AlignPatch, RefusesWindowsThatLeaveAnImageAndFarMoves) {
+  SeededRandom random;
+  const Surface surface = RandomTexture(random);
+  const Image image = Draw(surface, AtCentre());
+  const PatchAlignmentOptions options;
+  const int first = options.radius_px + 1, last = kSize - 2 - options.radius_px;
+  const auto at = [&](const Eigen::Vector2i& centre) {
+    return AlignPatch(image.View(), centre, image.View(), {.position = centre.cast<double>()}, {});
+  };
+  EXPECT_TRUE(at({first, first}));
+  EXPECT_TRUE(at({last, last}));
+  EXPECT_FALSE(at({first - 1, first}));
+  EXPECT_FALSE(at({first, last + 1}));
+  EXPECT_FALSE(AlignPatch(image.View(), kCentre, image.View(), {.position = {3.0, 30.0}}, {}));
+  EXPECT_FALSE(AlignPatch(image.View(), kCentre, image.View(), {.position = {30.0, -1e300}}, {}));
+  const PatchWarp moved = Turned(0.0, 1.0, {1.0, 0.0});
+  EXPECT_FALSE(AlignPatch(image.View(), kCentre, Draw(surface, moved).View(), AtCentre(),
+                          {.max_shift_px = 0.9}));
+}
+
+}  // namespace
+}  // namespace rigmap

@@ -1,0 +1,121 @@
+#include "dataset/stereo_folder.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "core/error.h"
+#include "tests/core/temporary_folder.h"
+#include "tests/dataset/sample_data.h"
+
+namespace rigmap {
+namespace {
+
+using testing::AllOf;
+using testing::EndsWith;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+class StereoFolderTest : public testing::Test {
+ protected:
+  StereoFolderTest() {
+    for (const char* name : {"000.png", "001.png", "002.png"}) {
+      WriteImage(folder_.Path() / "left" / name);
+      WriteImage(folder_.Path() / "right" / name);
+    }
+    folder_.Write("times.txt", "10.5\n11.0\n\n11.5\n");
+  }
+  Dataset Read() const { return ReadStereoFolder(folder_.Path()); }
+  std::string Complaint() const {
+    return MessageOf<DataError>([&] { Read(); });
+  }
+  TemporaryFolder folder_;
+};
+
+TEST_F(StereoFolderTest, ReadsFramesInOrder) {
+  const Dataset dataset = Read();
+  EXPECT_EQ(dataset.format, "stereo");
+  ASSERT_EQ(dataset.frames.size(), 3U);
+  EXPECT_EQ(dataset.frames[1].stamp_ns, 11'000'000'000);
+  EXPECT_THAT(dataset.frames[1].left_path, EndsWith("left/001.png"));
+  EXPECT_THAT(dataset.frames[1].right_path, EndsWith("right/001.png"));
+  EXPECT_EQ(dataset.health.images_read, 6);
+  EXPECT_THAT(dataset.health.remarks, IsEmpty());
+  EXPECT_THAT(dataset.truth_path, IsEmpty());
+}
+
+TEST_F(StereoFolderTest, TimesMayBeWrittenByNumpy) {
+  folder_.Write("times.txt", "# seconds\r\n1.05e+01\r\n 1.1e+01\r\n1.15e+01");
+  EXPECT_EQ(Read().frames[0].stamp_ns, 10'500'000'000);
+  EXPECT_EQ(Read().frames[2].stamp_ns, 11'500'000'000);
+}
+
+TEST_F(StereoFolderTest, TruthIsFound) {
+  const auto path = folder_.Write("groundtruth_tum.txt", "10.5 0 0 0 0 0 0 1\n");
+  EXPECT_EQ(Read().truth_path, path.string());
+}
+
+TEST_F(StereoFolderTest, UnevenCountsAreNamed) {
+  std::filesystem::remove(folder_.Path() / "right" / "002.png");
+  EXPECT_THAT(Complaint(), HasSubstr("found 3 and 2"));
+}
+
+TEST_F(StereoFolderTest, MissingRightIsNamed) {
+  std::filesystem::remove_all(folder_.Path() / "right");
+  EXPECT_TRUE(IsStereoFolder(folder_.Path()));
+  EXPECT_THAT(Complaint(), AllOf(HasSubstr("right/"), HasSubstr("found 3 and 0")));
+}
+
+TEST_F(StereoFolderTest, EmptyEyesAreNamed) {
+  for (const char* eye : {"left", "right"}) {
+    std::filesystem::remove_all(folder_.Path() / eye);
+    std::filesystem::create_directories(folder_.Path() / eye);
+  }
+  EXPECT_THAT(Complaint(), AllOf(HasSubstr("at least one"), HasSubstr("found 0 and 0")));
+}
+
+TEST_F(StereoFolderTest, TimesMustFitThePairs) {
+  folder_.Write("times.txt", "10.5\n11\n");
+  EXPECT_THAT(Complaint(), HasSubstr("times.txt: expected 3 times, one per pair, found 2"));
+  std::filesystem::remove(folder_.Path() / "times.txt");
+  EXPECT_THAT(Complaint(), HasSubstr("times.txt: cannot read"));
+}
+
+TEST_F(StereoFolderTest, TimesMustIncreaseAndTheLineIsNamed) {
+  folder_.Write("times.txt", "10.5\n11\n11\n");
+  EXPECT_THAT(Complaint(), AllOf(HasSubstr("times.txt:3: expected a time after 11.000000000"),
+                                 HasSubstr("found 11")));
+  folder_.Write("times.txt", "10.5\n\n9\n12\n");
+  EXPECT_THAT(Complaint(), HasSubstr("times.txt:3: "));
+}
+
+TEST_F(StereoFolderTest, TimesMustBeNumbersAndTheLineIsNamed) {
+  folder_.Write("times.txt", "10.5\neleven\n12\n");
+  EXPECT_THAT(Complaint(), HasSubstr("times.txt:2: expected a time in seconds, found 'eleven'"));
+  folder_.Write("times.txt", "10.5 7\n11\n12\n");
+  EXPECT_THAT(Complaint(), HasSubstr("times.txt:1: "));
+}
+
+TEST_F(StereoFolderTest, DamagedImagesAreNamed) {
+  CutEnd(folder_.Path() / "right" / "001.png", 10);
+  EXPECT_THAT(Complaint(), HasSubstr("right/001.png: expected an image"));
+  std::filesystem::resize_file(folder_.Path() / "left" / "002.png", 0);
+  EXPECT_THAT(Complaint(), HasSubstr("left/002.png: expected an image"));
+  folder_.Write("left/000.png", "just text");
+  EXPECT_THAT(Complaint(), HasSubstr("left/000.png: expected an image"));
+}
+
+TEST_F(StereoFolderTest, PairsOfDifferentNumbersAreRemarkedOn) {
+  std::filesystem::rename(folder_.Path() / "right" / "002.png", folder_.Path() / "right/003.png");
+  EXPECT_THAT(Read().health.remarks, testing::ElementsAre(HasSubstr("1 of 3 pairs")));
+}
+
+TEST_F(StereoFolderTest, NamesMayDifferInLetters) {
+  for (const char* name : {"000.png", "001.png", "002.png"}) {
+    std::filesystem::rename(folder_.Path() / "right" / name,
+                            folder_.Path() / "right" / (std::string("right_") + name));
+  }
+  EXPECT_THAT(Read().health.remarks, IsEmpty());
+}
+
+}  // namespace
+}  // namespace rigmap

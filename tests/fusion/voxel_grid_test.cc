@@ -1,0 +1,81 @@
+#include "fusion/voxel_grid.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "core/error.h"
+#include "tests/support/seeded_random.h"
+
+namespace rigmap {
+namespace {
+
+constexpr double kVoxelM = 0.01;
+
+SurfaceSample SampleAt(const Eigen::Vector3d& x, float sigma_m = 0.01F) {
+  SurfaceSample sample;
+  sample.x_in_world = x;
+  sample.normal = {0.0F, 0.0F, 1.0F};
+  sample.rgb = {10, 20, 30};
+  sample.sigma_m = sigma_m;
+  return sample;
+}
+
+PointCloud PointsOf(const std::vector<SurfaceSample>& samples, int min_observations = 1) {
+  VoxelGrid grid(kVoxelM);
+  for (const SurfaceSample& sample : samples) grid.Add(sample);
+  return grid.Points(min_observations);
+}
+
+TEST(VoxelGrid, GivesASingleSampleBack) {
+  const PointCloud points = PointsOf({SampleAt({-1.2345, 2.3456, -0.0001}, 0.02F)});
+  ASSERT_EQ(points.size(), 1U);
+  EXPECT_LT((points[0].x_in_world - Eigen::Vector3f(-1.2345F, 2.3456F, -0.0001F)).norm(), 1e-6);
+  EXPECT_EQ(points[0].rgb, (std::array<std::uint8_t, 3>{10, 20, 30}));
+  EXPECT_NEAR(points[0].sigma_m, 0.02, 1e-7);
+  EXPECT_EQ(points[0].observations, 1);
+}
+
+TEST(VoxelGrid, WeighsByInverseVariance) {
+  const PointCloud points =
+      PointsOf({SampleAt({0.002, 0.005, 0.005}, 0.01F), SampleAt({0.007, 0.005, 0.005}, 0.02F)});
+  ASSERT_EQ(points.size(), 1U);
+  EXPECT_NEAR(points[0].x_in_world.x(), (4.0 * 0.002 + 0.007) / 5.0, 1e-7);
+}
+
+TEST(VoxelGrid, KeepsEveryCubeApart) {
+  SeededRandom random;
+  std::vector<SurfaceSample> samples;
+  for (int i = 0; i < 200000; ++i) {
+    const Eigen::Vector3d cube(i % 100 - 50, i / 100 % 100 - 50, i / 10000 - 10);
+    const Eigen::Vector3d inside = Eigen::Vector3d::Constant(0.5) + random.Vector(0.49);
+    samples.push_back(SampleAt(kVoxelM * (cube + inside)));
+  }
+  const PointCloud points = PointsOf(samples);
+  ASSERT_EQ(points.size(), samples.size());
+  const auto cube_of = [](const SurfacePoint& point) {
+    const Eigen::Vector3d cube = (point.x_in_world.cast<double>() / kVoxelM).array().floor();
+    return std::vector<double>(cube.data(), cube.data() + 3);
+  };
+  EXPECT_TRUE(std::is_sorted(points.begin(), points.end(), [&](const auto& a, const auto& b) {
+    return cube_of(a) < cube_of(b);
+  }));
+}
+
+TEST(VoxelGrid, DropsWhatWasSeenTooRarely) {
+  std::vector<SurfaceSample> samples(3, SampleAt({0.005, 0.005, 0.005}));
+  samples.push_back(SampleAt({1.005, 0.005, 0.005}));
+  EXPECT_EQ(PointsOf(samples, 1).size(), 2U);
+  EXPECT_EQ(PointsOf(samples, 3).size(), 1U);
+  EXPECT_EQ(PointsOf(samples, 4).size(), 0U);
+}
+
+TEST(VoxelGrid, RefusesPointsOutsideTheWorld) {
+  EXPECT_THROW(PointsOf({SampleAt({20000.0, 0.0, 0.0})}), DataError);
+  EXPECT_THROW(PointsOf({SampleAt({0.0, std::nan(""), 0.0})}), DataError);
+}
+
+}  // namespace
+}  // namespace rigmap

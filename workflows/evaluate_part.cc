@@ -1,0 +1,47 @@
+#include "workflows/evaluate_part.h"
+
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include "core/error.h"
+#include "core/file.h"
+#include "evaluation/trajectory_metrics.h"
+#include "export/tum.h"
+
+namespace rigmap {
+namespace {
+
+nlohmann::ordered_json Metrics(const EvaluateRequest& request) {
+  if (request.truth) {
+    const auto truth = std::filesystem::is_directory(*request.truth)
+                           ? *request.truth / "trajectory.tum"
+                           : *request.truth;
+    return ToJson(CompareTrajectories(ReadTum(request.out / "trajectory.tum"), ReadTum(truth)));
+  }
+  const auto path = request.out / "evaluation.json";
+  if (!std::filesystem::exists(path)) {
+    throw DataError(
+        fmt::format("{}: expected an evaluation from a run with truth, found none; give --truth",
+                    path.string()));
+  }
+  try {
+    return nlohmann::ordered_json::parse(ReadTextFile(path));
+  } catch (const nlohmann::json::exception&) {
+    throw DataError(fmt::format("{}: expected JSON, found something else", path.string()));
+  }
+}
+
+}  // namespace
+
+std::string EvaluatePart(const EvaluateRequest& request) {
+  const auto metrics = Metrics(request);
+  if (request.json) return metrics.dump() + "\n";
+  std::string table;
+  for (const auto& [name, value] : metrics.items()) {
+    table += fmt::format("{:<16} {}\n", name, value.dump());
+  }
+  return table;
+}
+
+}  // namespace rigmap

@@ -1,0 +1,209 @@
+#include "workflows/gates.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace rigmap {
+namespace {
+
+constexpr double kDegrees = 180.0 / std::numbers::pi;
+
+template <class Value>
+Value Percentile(std::vector<Value> values, double share) {
+  const auto index = static_cast<std::ptrdiff_t>(
+      std::min(share * static_cast<double>(values.size()), static_cast<double>(values.size() - 1)));
+  std::nth_element(values.begin(), values.begin() + index, values.end());
+  return values[static_cast<std::size_t>(index)];
+}
+
+// A gate that passes while its value is at most the limit.
+Gate AtMost(std::string name, std::optional<double> value, double limit, std::string why) {
+  return {std::move(name), value, limit, !value || *value <= limit, std::move(why)};
+}
+
+// Two gates on one thing, of which passing either will do.
+void AddEither(Gate a, Gate b, Gates& gates) {
+  a.passed = b.passed = a.passed || b.passed;
+  gates.push_back(std::move(a));
+  gates.push_back(std::move(b));
+}
+
+void JudgeBaseline(const GateInputs& inputs, const GateOptions& options, Gates& gates) {
+  std::optional<double> spread, rejected, registered;
+  if (inputs.placed) {
+    std::size_t used = 0, off = 0;
+    for (const PlacedModel& model : inputs.placed->models) {
+      spread = std::max(spread.value_or(0.0), model.scale.relative_spread);
+      used += model.scale.pairs_used.size();
+      off += model.scale.pairs_rejected.size();
+    }
+    rejected = static_cast<double>(off) / std::max<double>(1.0, static_cast<double>(used + off));
+    const auto& poses = inputs.placed->world_from_left;
+    const auto posed = std::count_if(poses.begin(), poses.end(),
+                                     [](const auto& pose) { return pose.has_value(); });
+    registered = static_cast<double>(posed) / static_cast<double>(poses.size());
+  }
+  gates.push_back(AtMost("baseline_spread", spread, options.baseline_spread,
+                         "spread of the mapped left-right distances: the shape of the map"));
+  gates.push_back(AtMost("baseline_rejected", rejected, options.baseline_rejected,
+                         "share of left-right distances rejected when the scale was taken"));
+  gates.push_back({"registered", registered, options.registered,
+                   !registered || *registered >= options.registered,
+                   "share of keyframes in the model used"});
+}
+
+struct StepDifference {
+  double sigmas = 0.0, pct = 0.0;
+};
+
+// Adjusted against odometric motion of every frame that was measured against a moving reference.
+std::vector<StepDifference> StepDifferences(const GateInputs& inputs) {
+  std::vector<StepDifference> differences;
+  for (std::size_t i = 0; i < inputs.odometry.size(); ++i) {
+    const OdometryFrame& frame = inputs.odometry[i];
+    const auto reference = static_cast<std::size_t>(frame.reference);
+    const auto &to = inputs.adjustment.world_from_left[i],
+               &from = inputs.adjustment.world_from_left[reference];
+    if (frame.source != PoseSource::kOdometry || reference == i || !to || !from) continue;
+    const Rigid3 odometric =
+        frame.world_from_left.Inverse() * inputs.odometry[reference].world_from_left;
+    const Rigid3 off = (to->Inverse() * *from) * odometric.Inverse();
+    Vector6d difference;
+    difference << off.translation, LogRotation(off.rotation);
+    const double squared = difference.dot(frame.step_covariance.ldlt().solve(difference)) / 6.0;
+    const double step_m = odometric.translation.norm();
+    differences.push_back({std::sqrt(std::max(0.0, squared)),
+                           step_m > 0.0 ? 100.0 * off.translation.norm() / step_m : 0.0});
+  }
+  return differences;
+}
+
+void JudgeMotion(const GateInputs& inputs, const GateOptions& options, Gates& gates) {
+  std::optional<double> sigmas, pct;
+  const auto differences = StepDifferences(inputs);
+  if (!differences.empty()) {
+    std::vector<double> all_sigmas, all_pct;
+    for (const StepDifference& difference : differences) {
+      all_sigmas.push_back(difference.sigmas);
+      all_pct.push_back(difference.pct);
+    }
+    constexpr double kShare = 0.9;
+    sigmas = Percentile(all_sigmas, kShare);
+    pct = Percentile(all_pct, kShare);
+  }
+  AddEither(AtMost("motion_agreement_sigmas", sigmas, options.motion_agreement_sigmas,
+                   "mapped against odometric steps, 90th percentile, in sigmas"),
+            AtMost("motion_agreement_pct", pct, options.motion_agreement_pct,
+                   "mapped against odometric steps, 90th percentile, per cent of the step"),
+            gates);
+}
+
+double MedianDepth(const GateInputs& inputs) {
+  std::vector<double> depths;
+  for (const AdjustedPoint& point : inputs.adjustment.points) {
+    const auto& pose = inputs.adjustment.world_from_left[point.observations.front().frame];
+    depths.push_back((pose->Inverse() * point.x).z());
+  }
+  return depths.empty() ? 0.0 : Percentile(std::move(depths), 0.5);
+}
+
+void JudgeCalibration(const GateInputs& inputs, const GateOptions& options, Gates& gates) {
+  std::optional<double> turn_deg, turn_sigmas, focal_pct, focal_sigmas;
+  std::string turn_why = "the path cannot determine it", focal_why = turn_why;
+  const double depth_m = MedianDepth(inputs);
+  const double max_turn_rad =
+      depth_m > 0.0 ? options.max_depth_error_share * inputs.rig.Baseline() / depth_m : 1.0;
+  if (const auto& step = inputs.adjustment.calibration) {
+    // A correction less certain than the limit says nothing.
+    if (step->rig_rotation_sigma.maxCoeff() < max_turn_rad) {
+      turn_deg = kDegrees * step->rig_rotation.norm();
+      turn_sigmas =
+          step->rig_rotation.cwiseQuotient(step->rig_rotation_sigma).cwiseAbs().maxCoeff();
+      turn_why = fmt::format(
+          "the images would turn the right camera by {:.4f} {:.4f} {:.4f} degrees about its x y z",
+          kDegrees * step->rig_rotation.x(), kDegrees * step->rig_rotation.y(),
+          kDegrees * step->rig_rotation.z());
+    }
+    if (100.0 * step->log_focal_sigma < options.intrinsics_consistency_pct) {
+      focal_pct = 100.0 * std::abs(step->log_focal);
+      focal_sigmas = std::abs(step->log_focal) / step->log_focal_sigma;
+      focal_why = fmt::format("the images would change the focal lengths by {:+.3f} %",
+                              100.0 * step->log_focal);
+    }
+  }
+  AddEither(AtMost("rig_consistency_deg", turn_deg, kDegrees * max_turn_rad, turn_why),
+            AtMost("rig_consistency_sigmas", turn_sigmas, options.consistency_sigmas, turn_why),
+            gates);
+  AddEither(
+      AtMost("intrinsics_consistency_pct", focal_pct, options.intrinsics_consistency_pct,
+             focal_why),
+      AtMost("intrinsics_consistency_sigmas", focal_sigmas, options.consistency_sigmas, focal_why),
+      gates);
+}
+
+}  // namespace
+
+OptionFields GateOptions::Fields() {
+  return {{"baseline_spread", &baseline_spread},
+          {"baseline_rejected", &baseline_rejected},
+          {"registered", &registered},
+          {"motion_agreement_sigmas", &motion_agreement_sigmas},
+          {"motion_agreement_pct", &motion_agreement_pct},
+          {"reprojection_px", &reprojection_px},
+          {"outlier_share", &outlier_share},
+          {"epipolar_px", &epipolar_px},
+          {"max_depth_error_share", &max_depth_error_share},
+          {"intrinsics_consistency_pct", &intrinsics_consistency_pct},
+          {"consistency_sigmas", &consistency_sigmas},
+          {"depth_bias_px", &depth_bias_px}};
+}
+
+void GateOptions::Validate() const {
+  GateOptions copy = *this;
+  for (const OptionField& field : copy.Fields()) {
+    const double value = *std::get<double*>(field.value);
+    RequireOption(value > 0.0, "gates." + field.name, "more than 0", value);
+  }
+}
+
+Gates JudgePart(const GateInputs& inputs, const GateOptions& options) {
+  Gates gates;
+  JudgeBaseline(inputs, options, gates);
+  JudgeMotion(inputs, options, gates);
+  const bool adjusted = !inputs.adjustment.points.empty();
+  const auto if_adjusted = [&](double value) {
+    return adjusted ? std::optional(value) : std::nullopt;
+  };
+  gates.push_back(AtMost("reprojection_px", if_adjusted(inputs.adjustment.reprojection_px),
+                         options.reprojection_px, "median reprojection error after adjustment"));
+  gates.push_back(AtMost("outlier_share", if_adjusted(inputs.adjustment.outlier_share),
+                         options.outlier_share, "observations dropped by the adjustment"));
+  std::optional<double> epipolar;
+  if (!inputs.epipolar_px.empty()) epipolar = Percentile(inputs.epipolar_px, 0.5);
+  gates.push_back(AtMost("epipolar_px", epipolar, options.epipolar_px,
+                         "median distance of stereo matches from their epipolar line"));
+  JudgeCalibration(inputs, options, gates);
+  return gates;
+}
+
+Gate JudgeDepthBias(std::optional<double> bias_px, const GateOptions& options) {
+  const auto size_px = bias_px ? std::optional(std::abs(*bias_px)) : std::nullopt;
+  return AtMost("depth_bias_px", size_px, options.depth_bias_px,
+                "median disparity of dense matching minus that of sparse points");
+}
+
+std::string FailureReason(const Gates& gates) {
+  std::vector<std::string> failed;
+  for (const Gate& gate : gates) {
+    if (!gate.passed && gate.value) {
+      failed.push_back(fmt::format("gate {} is {:.4g}, limit {:.4g}: {}", gate.name, *gate.value,
+                                   gate.limit, gate.why));
+    }
+  }
+  return fmt::format("{}", fmt::join(failed, "; "));
+}
+
+}  // namespace rigmap

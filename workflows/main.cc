@@ -1,0 +1,176 @@
+// The command line: rigmap part, rigmap evaluate.
+#include <fmt/format.h>
+#include <spdlog/sinks/stdout_sinks.h>
+#include <spdlog/spdlog.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <filesystem>
+#include <thread>
+
+#include "core/error.h"
+#include "core/progress.h"
+#include "workflows/evaluate_part.h"
+#include "workflows/reconstruct_part.h"
+#include "workflows/stage_runner.h"
+
+namespace rigmap {
+namespace {
+
+namespace fs = std::filesystem;
+constexpr int kExitFailed = 1, kExitUsage = 2;
+
+// Everything but what was asked for goes to stderr.
+void LogToStderr(bool quiet) {
+  auto logger =
+      std::make_shared<spdlog::logger>("rigmap", std::make_shared<spdlog::sinks::stderr_sink_st>());
+  logger->set_pattern("rigmap: %v");
+  logger->set_level(quiet ? spdlog::level::err : spdlog::level::info);
+  spdlog::set_default_logger(std::move(logger));
+}
+
+// config/ beside the program: in its source tree or installed under share/rigmap.
+fs::path ConfigFile(const char* name) {
+  const fs::path program = fs::read_symlink("/proc/self/exe");
+  for (fs::path folder = program.parent_path(); folder.has_relative_path();
+       folder = folder.parent_path()) {
+    for (const char* config : {"config", "share/rigmap/config"}) {
+      if (fs::exists(folder / config / name)) return folder / config / name;
+    }
+  }
+  return fs::path("config") / name;
+}
+
+std::pair<int, int> ParseFrames(const std::string& text) {
+  int first = 0, end = 0;
+  char rest = 0;
+  if (std::sscanf(text.c_str(), "%d:%d%c", &first, &end, &rest) != 2 || first < 0 || end <= first) {
+    throw UsageError(fmt::format("--frames: expected FIRST:END, found '{}'", text));
+  }
+  return {first, end};
+}
+
+struct PartArguments {
+  std::string dataset, out, rig, config, frames, format, until, from, truth;
+  int traverse = -1, part = -1, threads = 0, memory_mb = 2048;
+  std::vector<std::string> assignments;
+  bool force = false, quiet = false;
+};
+
+void AddPart(CLI::App& app, PartArguments& a) {
+  CLI::App* part = app.add_subcommand("part", "Reconstruct one part of a traverse");
+  part->add_option("--dataset", a.dataset, "Katwijk root or part, or stereo folder")->required();
+  part->add_option("--traverse", a.traverse, "Traverse of a Katwijk root");
+  part->add_option("--part", a.part, "Part of the traverse");
+  part->add_option("--rig", a.rig, "Rig file, instead of the one beside the data");
+  part->add_option("--format", a.format, "katwijk or stereo, instead of what is recognised");
+  part->add_option("--out", a.out, "Folder for the results")->required();
+  part->add_option("--frames", a.frames, "FIRST:END of the paired frames, END excluded");
+  part->add_option("--config", a.config, "YAML file of options (config/default.yaml lists all)");
+  part->add_option("--set", a.assignments, "stage.option=value, over --config");
+  part->add_option("--until", a.until, "Stop after this stage");
+  part->add_option("--from", a.from, "Do this stage and all after it anew");
+  part->add_flag("--force", a.force, "Empty the output folder first, whatever it holds");
+  part->add_option("--threads", a.threads, "Threads; default: one per core");
+  part->add_option("--memory", a.memory_mb, "Megabytes that dense matching may use");
+  part->add_option("--truth", a.truth, "TUM file, or folder with trajectory.tum");
+  part->add_flag("--quiet", a.quiet, "No progress, errors only");
+}
+
+void RequireStage(const char* option, const std::string& name) {
+  if (!name.empty() && !IsStageName(name)) {
+    throw UsageError(fmt::format("{}: expected one of {}, found '{}'", option,
+                                 fmt::join(kStageNames, ", "), name));
+  }
+}
+
+template <class Value>
+std::optional<Value> IfGiven(const std::string& text) {
+  return text.empty() ? std::nullopt : std::optional<Value>(text);
+}
+
+PartRequest MakeRequest(const PartArguments& a, std::string command) {
+  RequireStage("--until", a.until);
+  RequireStage("--from", a.from);
+  PartRequest request;
+  request.dataset.folder = a.dataset;
+  if (a.traverse >= 0) request.dataset.traverse = a.traverse;
+  if (a.part >= 0) request.dataset.part = a.part;
+  request.dataset.rig = IfGiven<fs::path>(a.rig);
+  request.dataset.format = IfGiven<std::string>(a.format);
+  if (!a.frames.empty()) request.dataset.frames = ParseFrames(a.frames);
+  request.dataset.default_loccam_rig = ConfigFile("rigs/loccam.yaml");
+  request.out = a.out;
+  request.options = LoadPartOptions(IfGiven<fs::path>(a.config), a.assignments);
+  request.until = IfGiven<std::string>(a.until);
+  request.from = IfGiven<std::string>(a.from);
+  request.force = a.force;
+  if (a.threads < 0)
+    throw UsageError(fmt::format("--threads: expected 1 or more, found {}", a.threads));
+  request.threads = a.threads > 0
+                        ? a.threads
+                        : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  if (a.memory_mb < 256)
+    throw UsageError(fmt::format("--memory: expected at least 256, found {}", a.memory_mb));
+  request.memory_mb = a.memory_mb;
+  request.truth = IfGiven<fs::path>(a.truth);
+  if (request.truth && !fs::exists(*request.truth)) {
+    throw DataError(fmt::format("{}: expected a truth, found nothing", a.truth));
+  }
+  request.quiet = a.quiet;
+  request.command = std::move(command);
+  return request;
+}
+
+int RunPart(const PartArguments& arguments, std::string command) {
+  LogToStderr(arguments.quiet);
+  SetProgressQuiet(arguments.quiet);
+  const PartResult result = ReconstructPart(MakeRequest(arguments, std::move(command)));
+  if (result.status == PartStatus::kUntrusted) {
+    fmt::print(stderr, "rigmap: the result is not to be trusted: {}\n", result.reason);
+  }
+  return static_cast<int>(result.status);
+}
+
+int Main(int argc, char** argv) {
+  CLI::App app("Metric trajectories and maps from stereo rovers", "rigmap");
+  app.set_version_flag("--version", RIGMAP_VERSION);
+  app.require_subcommand(1);
+  PartArguments part;
+  AddPart(app, part);
+  EvaluateRequest evaluate;
+  std::string truth;
+  CLI::App* evaluation = app.add_subcommand("evaluate", "Compare a result with a truth");
+  evaluation->add_option("out", evaluate.out, "Folder with the results")->required();
+  evaluation->add_option("--truth", truth, "TUM file, or folder with trajectory.tum");
+  evaluation->add_flag("--json", evaluate.json, "Print one line of JSON instead of a table");
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : kExitUsage;
+  }
+  std::string command;
+  for (int i = 0; i < argc; ++i) command += fmt::format("{}{}", i ? " " : "", argv[i]);
+  LogToStderr(part.quiet);
+  if (evaluation->parsed()) {
+    evaluate.truth = IfGiven<fs::path>(truth);
+    fmt::print("{}", EvaluatePart(evaluate));
+    return 0;
+  }
+  return RunPart(part, std::move(command));
+}
+
+}  // namespace
+}  // namespace rigmap
+
+int main(int argc, char** argv) {
+  try {
+    return rigmap::Main(argc, argv);
+  } catch (const rigmap::UsageError& error) {
+    fmt::print(stderr, "rigmap: {}\n", error.what());
+    return rigmap::kExitUsage;
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "rigmap: {}\n", error.what());
+    return rigmap::kExitFailed;
+  }
+}

@@ -1,0 +1,50 @@
+// All options of `rigmap part`: one section per stage, as in config/default.yaml.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "adjustment/adjustment_options.h"
+#include "dense/dense_options.h"
+#include "evaluation/trajectory_metrics.h"
+#include "features/feature_options.h"
+#include "fusion/fusion_options.h"
+#include "imaging/mask.h"
+#include "mapping/mapping_options.h"
+#include "matching/matching_options.h"
+#include "odometry/odometry_options.h"
+#include "scale/scale_options.h"
+#include "workflows/gates.h"
+
+namespace rigmap {
+
+struct PartOptions {
+  MaskOptions masks;
+  FeatureOptions features;
+  OdometryOptions odometry;
+  MatchingOptions matching;
+  MappingOptions mapping;
+  ScaleOptions scale;
+  AdjustmentOptions adjustment;
+  DenseOptions dense;
+  FusionOptions fusion;
+  EvaluationOptions evaluation;
+  GateOptions gates;
+
+  // Section names with their fields, in the order of the file.
+  std::vector<std::pair<std::string, OptionFields>> Sections();
+  void Validate() const;  // throws UsageError
+};
+
+// The defaults, then the file, then each "stage.option=value". Throws DataError for the file,
+// UsageError for the rest.
+PartOptions LoadPartOptions(const std::optional<std::filesystem::path>& config,
+                            const std::vector<std::string>& assignments);
+
+// YAML that LoadPartOptions reads back to the same options.
+std::string WritePartOptions(PartOptions options);
+
+}  // namespace rigmap

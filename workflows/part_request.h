@@ -1,0 +1,29 @@
+// What `rigmap part` was asked to do.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "dataset/open_dataset.h"
+#include "workflows/part_options.h"
+
+namespace rigmap {
+
+struct PartRequest {
+  DatasetRequest dataset;
+  std::filesystem::path out;
+  PartOptions options;
+  std::optional<std::string> until, from;  // stage names
+  bool force = false;                      // empty the output folder first
+  int threads = 2;
+  int memory_mb = 2048;                        // bounds how many frames are dense-matched at once
+  std::optional<std::filesystem::path> truth;  // TUM file, or folder with trajectory.tum
+  bool quiet = false;
+  std::string command;  // as typed, for summary.json
+};
+
+// How a run ended; also the exit code.
+enum class PartStatus { kTrusted = 0, kUntrusted = 3 };
+
+}  // namespace rigmap

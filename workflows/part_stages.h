@@ -1,0 +1,97 @@
+// The stages of a part: what each takes, makes, keeps and publishes.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "adjustment/adjust.h"
+#include "mapping/map_keyframes.h"
+#include "scale/baseline_scale.h"
+#include "scene/correspondences.h"
+#include "scene/dataset.h"
+#include "scene/keyframe_graph.h"
+#include "scene/odometry.h"
+#include "scene/trajectory.h"
+#include "workflows/part_request.h"
+#include "workflows/part_summary.h"
+#include "workflows/stage_runner.h"
+
+namespace rigmap {
+
+// Where each frame's features are kept, and what is known of all of them.
+struct FeatureIndex {
+  std::vector<std::string> keys;   // of each frame's own artefact
+  std::vector<int> counts;         // features per frame
+  std::vector<float> epipolar_px;  // median absolute error per frame that has any
+
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(keys, epipolar_px);
+  }
+};
+
+struct AdjustedPart {
+  Adjustment adjustment;  // in its own gauge
+  Rigid3 world_from_gauge;
+  std::string world_up;
+  Trajectory trajectory;  // every paired frame, in the world
+
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(adjustment, world_from_gauge, world_up, trajectory);
+  }
+};
+
+struct DepthIndex {
+  std::vector<int> frames;
+  std::vector<std::string> keys;  // of each frame's depth map
+  std::optional<double> bias_px;
+
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(frames, keys, bias_px);
+  }
+};
+
+class PartStages {
+ public:
+  // All three must outlive this.
+  PartStages(const PartRequest& request, StageRunner& run, PartSummary& summary)
+      : request_(request), run_(run), summary_(summary) {}
+
+  // Stamps, paths, rig; counts what had to be passed over.
+  Dataset OpenData(const Dataset& opened) const;
+  // Each frame's features in a file of its own.
+  FeatureIndex Extract(const Dataset& dataset) const;
+  Odometry Track(const Dataset& dataset, const FeatureIndex& features) const;
+  Correspondences Match(const Dataset& dataset, const FeatureIndex& features,
+                        const Odometry& odometry) const;
+  // Leaves colmap/database.db and colmap/images.
+  KeyframeGraph WriteGraph(const Dataset& dataset, const Odometry& odometry,
+                           const Correspondences& matches) const;
+  // Leaves colmap/models. Nothing is mapped with fewer than three keyframes.
+  MappingResult Map(const Dataset& dataset, const Odometry& odometry,
+                    const Correspondences& matches, const KeyframeGraph& graph) const;
+  PlacedKeyframes Scale(const Dataset& dataset, const Odometry& odometry,
+                        const KeyframeGraph& graph, const MappingResult& models) const;
+  // Leaves trajectories, sparse/ and sparse.ply.
+  AdjustedPart Adjust(const Dataset& dataset, const FeatureIndex& features,
+                      const Odometry& odometry, const Correspondences& matches,
+                      const KeyframeGraph& graph, const PlacedKeyframes& placed) const;
+  DepthIndex MatchDense(const Dataset& dataset, const AdjustedPart& part) const;
+  // Leaves dense.ply.
+  void Fuse(const Dataset& dataset, const AdjustedPart& part, const DepthIndex& depths) const;
+  // Leaves evaluation.json where there is a truth.
+  void Evaluate(const Dataset& dataset, const AdjustedPart& part) const;
+
+ private:
+  FeatureIndex ExtractAll(const Dataset& dataset, const std::string& options) const;
+  DepthIndex MatchAllDense(const Dataset& dataset, const AdjustedPart& part,
+                           const std::string& options) const;
+
+  const PartRequest& request_;
+  StageRunner& run_;
+  PartSummary& summary_;
+};
+
+}  // namespace rigmap

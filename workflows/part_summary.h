@@ -1,0 +1,44 @@
+// summary.json: what was done, how well, and whether to trust it.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "mapping/map_keyframes.h"
+#include "scale/baseline_scale.h"
+#include "scene/dataset.h"
+#include "scene/gate.h"
+#include "scene/trajectory.h"
+#include "workflows/reconstruct_part.h"
+#include "workflows/stage_runner.h"
+
+namespace rigmap {
+
+// Filled as the stages end; what has not been reached stays null in the file.
+class PartSummary {
+ public:
+  explicit PartSummary(const PartRequest& request) : request_(request) {}
+
+  void SetDataset(const Dataset& dataset);
+  void SetKeyframes(int keyframes) { keyframes_ = keyframes; }
+  void SetMapping(const MappingResult& mapped);
+  void SetScale(const PlacedKeyframes& placed);
+  void SetTrajectory(const Trajectory& trajectory, const std::string& world_up);
+  void AddGates(const Gates& gates) { gates_.insert(gates_.end(), gates.begin(), gates.end()); }
+  void SetColmapVersion(const std::string& version) { colmap_version_ = version; }
+  void Fail(const std::string& reason) { failure_ = reason; }
+
+  // Writes summary.json and config.yaml, and says how the run ended.
+  PartResult Write(const StageRunner& run) const;
+
+ private:
+  const PartRequest& request_;
+  std::optional<DatasetHealth> health_;
+  std::optional<int> paired_, keyframes_, registered_, posed_;
+  std::vector<std::string> remarks_;
+  std::string method_, world_up_, failure_, colmap_version_;
+  std::optional<PlacedKeyframes> placed_;
+  Gates gates_;
+};
+
+}  // namespace rigmap

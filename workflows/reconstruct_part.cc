@@ -1,0 +1,66 @@
+#include "workflows/reconstruct_part.h"
+
+#include <tbb/global_control.h>
+
+#include <filesystem>
+#include <opencv2/core.hpp>
+
+#include "workflows/part_stages.h"
+#include "workflows/part_summary.h"
+
+namespace rigmap {
+namespace {
+
+// What data a result folder belongs to: the folder of the first image.
+std::string DatasetIdentity(const Dataset& dataset) {
+  return std::filesystem::path(dataset.frames.front().left_path).parent_path().string();
+}
+
+// The whole method. Each stage turns what is before it into one product, keeps it, skips the work
+// if an earlier run did it, and publishes what users read (part_stages.h says what).
+void Reconstruct(const Dataset& opened, const PartStages& stage) {
+  // frames with stamps -> keypoints with stereo partners -> metric motion from frame to keyframe
+  const Dataset dataset = stage.OpenData(opened);
+  const FeatureIndex features = stage.Extract(dataset);
+  const Odometry odometry = stage.Track(dataset, features);
+
+  // verified correspondences -> COLMAP's database -> poses in COLMAP's gauge -> metres
+  const Correspondences matches = stage.Match(dataset, features, odometry);
+  const KeyframeGraph graph = stage.WriteGraph(dataset, odometry, matches);
+  const MappingResult models = stage.Map(dataset, odometry, matches, graph);
+  const PlacedKeyframes placed = stage.Scale(dataset, odometry, graph, models);
+
+  // one pose per frame, the rig held -> trajectory and sparse model
+  const AdjustedPart part = stage.Adjust(dataset, features, odometry, matches, graph, placed);
+
+  // depth of the keyframes, fused on the poses -> coloured map
+  const DepthIndex depths = stage.MatchDense(dataset, part);
+  stage.Fuse(dataset, part, depths);
+  stage.Evaluate(dataset, part);
+}
+
+}  // namespace
+
+PartResult ReconstructPart(const PartRequest& request) {
+  const tbb::global_control parallelism(tbb::global_control::max_allowed_parallelism,
+                                        static_cast<std::size_t>(request.threads));
+  cv::setNumThreads(1);  // the work is split over frames
+  const Dataset opened = OpenDataset(request.dataset);
+  const OutputLayout layout{std::filesystem::absolute(request.out)};
+  const OutputLock lock(layout.root);
+  ClaimOutput(layout, DatasetIdentity(opened), request.force);
+  StageRunner run({layout, request.until, request.from, request.quiet});
+  PartSummary summary(request);
+  try {
+    Reconstruct(opened, PartStages(request, run, summary));
+  } catch (const StopAfterStage&) {
+    // --until: what was published so far is the result.
+  } catch (const std::exception& error) {
+    summary.Fail(error.what());
+    summary.Write(run);
+    throw;
+  }
+  return summary.Write(run);
+}
+
+}  // namespace rigmap

@@ -1,0 +1,21 @@
+// The adjusted part as COLMAP's tools read it.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "adjustment/adjust.h"
+#include "scene/dataset.h"
+#include "scene/sparse_model.h"
+
+namespace rigmap {
+
+// Makes `images`/left and right hold a link per frame to its file.
+void LinkImages(const Dataset& dataset, const std::filesystem::path& images);
+
+// Both eyes of all adjusted frames and all points, in the world; colours from the first image that
+// shows a point (reads each of these once).
+SparseModel MakeSparseOutput(const Dataset& dataset, const Adjustment& adjustment,
+                             const Rigid3& world_from_gauge);
+
+}  // namespace rigmap
