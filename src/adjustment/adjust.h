@@ -15,31 +15,33 @@ namespace rigmap {
 struct AdjustmentInput {
   const Correspondences& correspondences;
   const StereoRig& rig;
-  // Metric starting poses; a frame without one is not adjusted. The first that has one is held.
+  // Metric starting poses; a frame without one is not adjusted. The first that has one is held, and
+  // so is the first of every further group of frames that shares no points with those before.
   std::vector<std::optional<Rigid3>> world_from_left;
 };
 
 struct Adjustment {
   std::vector<std::optional<Rigid3>> world_from_left;  // in the gauge of the input
-  std::vector<Matrix6d> covariances;                   // as CameraSystemResult::covariances
+  std::vector<int> anchors;                            // as in CameraSystemResult
+  std::vector<Matrix6d> covariances;                   // as in CameraSystemResult
   std::vector<int> observation_counts;                 // per frame, after the last cull
   std::vector<AdjustedPoint> points;
   Rigid3 right_from_left;        // as calibrated, unless refined
   double noise_px = 0.0;         // robust sigma of one residual coordinate
   double reprojection_px = 0.0;  // median distance
-  double outlier_share = 0.0;    // of all observations that were put in
+  double outlier_share = 0.0;    // of all observations of tracks in the posed frames
   std::optional<CalibrationStep> calibration;
 
   template <class Archive>
   void serialize(Archive& archive) {
-    archive(world_from_left, covariances, observation_counts, points, right_from_left, noise_px,
-            reprojection_px, outlier_share, calibration);
+    archive(world_from_left, anchors, covariances, observation_counts, points, right_from_left,
+            noise_px, reprojection_px, outlier_share, calibration);
   }
 };
 
-// Triangulates all tracks on the starting poses, then adjusts poses and points together in rounds,
-// dropping outliers in between (Ceres, sparse Schur, robust loss, one thread: equal input gives
-// equal output). Frames with too few observations (10) keep no pose.
+// In rounds: triangulates all tracks on the poses as they stand, adjusts poses and points together
+// and drops outliers (Ceres, sparse Schur, robust loss, one thread: equal input gives equal
+// output). Frames with too few observations (10) keep no pose.
 Adjustment AdjustBundle(const AdjustmentInput& input, const AdjustmentOptions& options);
 
 }  // namespace rigmap

@@ -1,31 +1,81 @@
 #include "adjustment/adjusted_points.h"
 
+#include <limits>
+
 #include "adjustment/reprojection.h"
 #include "geometry/triangulation.h"
 
 namespace rigmap {
 namespace {
 
-void AddObservation(const PointObservation& observation, const StereoRig& rig,
-                    const Rigid3& left_from_world, AdjustedPoint& point, std::vector<View>& views) {
-  const auto normalised = Undistort(rig.Of(observation.eye).camera, observation.pixel);
-  if (!normalised) return;
-  const bool is_left = observation.eye == Eye::kLeft;
-  views.push_back({is_left ? left_from_world : rig.right_from_left * left_from_world, *normalised});
-  point.observations.push_back(observation);
+std::vector<View> Views(const AdjustedPoint& point, const StereoRig& rig,
+                        const std::vector<std::optional<Rigid3>>& left_from_world) {
+  std::vector<View> views;
+  for (const PointObservation& observation : point.observations) {
+    const Rigid3& pose = *left_from_world[observation.frame];
+    views.push_back({observation.eye == Eye::kLeft ? pose : rig.right_from_left * pose,
+                     *Undistort(rig.Of(observation.eye).camera, observation.pixel)});
+  }
+  return views;
 }
 
-bool Agrees(const AdjustedPoint& point, const StereoRig& rig,
-            const std::vector<std::optional<Rigid3>>& left_from_world, double max_error_px) {
-  for (const PointObservation& observation : point.observations) {
-    const auto seen = Reproject(rig, observation.eye, rig.right_from_left,
-                                *left_from_world[observation.frame], point.x);
-    if (!seen || !((seen->pixel - observation.pixel).norm() <= max_error_px)) return false;
+// The observation that lies furthest from the point's image, if further than max_error_px.
+std::optional<std::ptrdiff_t> WorstBeyond(double max_error_px, const AdjustedPoint& point,
+                                          const StereoRig& rig,
+                                          const std::vector<std::optional<Rigid3>>& poses) {
+  std::optional<std::ptrdiff_t> worst;
+  double worst_px = max_error_px;
+  for (std::size_t i = 0; i < point.observations.size(); ++i) {
+    const PointObservation& o = point.observations[i];
+    const auto at = Reproject(rig, o.eye, rig.right_from_left, *poses[o.frame], point.x);
+    const double error_px =
+        at ? (at->pixel - o.pixel).norm() : std::numeric_limits<double>::infinity();
+    if (error_px <= worst_px) continue;
+    worst = static_cast<std::ptrdiff_t>(i);
+    worst_px = error_px;
   }
-  return true;
+  return worst;
+}
+
+// All observations of a track in frames that have a pose, but for pixels without a ray.
+AdjustedPoint Observe(const Track& track, const Correspondences& correspondences,
+                      const StereoRig& rig,
+                      const std::vector<std::optional<Rigid3>>& left_from_world) {
+  AdjustedPoint point;
+  const auto add = [&](const PointObservation& observation) {
+    const Camera& camera = rig.Of(observation.eye).camera;
+    if (Undistort(camera, observation.pixel)) point.observations.push_back(observation);
+  };
+  for (const auto& [frame, index] : track) {
+    if (!left_from_world[frame]) continue;
+    const Feature& feature = correspondences.features[frame][index];
+    add({frame, index, Eye::kLeft, feature.left});
+    if (feature.right) add({frame, index, Eye::kRight, *feature.right});
+  }
+  return point;
+}
+
+// Triangulates, dropping the worst observation until all that is left agrees; false if that is not
+// to be had.
+bool Place(AdjustedPoint& point, const StereoRig& rig,
+           const std::vector<std::optional<Rigid3>>& left_from_world, double max_error_px) {
+  while (SpansFrames(point)) {
+    const auto x = Triangulate(Views(point, rig, left_from_world));
+    if (!x) return false;
+    point.x = *x;
+    const auto worst = WorstBeyond(max_error_px, point, rig, left_from_world);
+    if (!worst) return true;
+    point.observations.erase(point.observations.begin() + *worst);
+  }
+  return false;
 }
 
 }  // namespace
+
+bool SpansFrames(const AdjustedPoint& point) {
+  return !point.observations.empty() &&
+         point.observations.front().frame != point.observations.back().frame;
+}
 
 std::vector<AdjustedPoint> TriangulateTracks(
     const std::vector<Track>& tracks, const Correspondences& correspondences, const StereoRig& rig,
@@ -33,24 +83,10 @@ std::vector<AdjustedPoint> TriangulateTracks(
     double max_depth_m) {
   std::vector<AdjustedPoint> points;
   for (const Track& track : tracks) {
-    AdjustedPoint point;
-    std::vector<View> views;
-    int frames = 0;
-    for (const auto& [frame, index] : track) {
-      const auto& pose = left_from_world[frame];
-      if (!pose) continue;
-      ++frames;
-      const Feature& feature = correspondences.features[frame][index];
-      AddObservation({frame, index, Eye::kLeft, feature.left}, rig, *pose, point, views);
-      if (!feature.right) continue;
-      AddObservation({frame, index, Eye::kRight, *feature.right}, rig, *pose, point, views);
-    }
-    if (frames < 2) continue;
-    const auto x = Triangulate(views);
-    if (!x) continue;
-    point.x = *x;
-    const double depth_m = (views.front().camera_from_world * point.x).norm();
-    if (depth_m > max_depth_m || !Agrees(point, rig, left_from_world, max_error_px)) continue;
+    AdjustedPoint point = Observe(track, correspondences, rig, left_from_world);
+    if (!Place(point, rig, left_from_world, max_error_px)) continue;
+    const Rigid3& first_from_world = *left_from_world[point.observations.front().frame];
+    if ((first_from_world * point.x).norm() > max_depth_m) continue;
     points.push_back(std::move(point));
   }
   return points;

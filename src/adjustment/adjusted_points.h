@@ -32,9 +32,13 @@ struct AdjustedPoint {
   }
 };
 
+// True if more than one frame shows the point. Observations stand in order of frames.
+bool SpansFrames(const AdjustedPoint& point);
+
 // Triangulates every track over the frames that have a pose (left_from_world; frames without one
-// are passed over). Tracks whose rays do not meet to within max_error_px are left out, as are those
-// beyond the depth limit and those seen by one frame only.
+// are passed over). Observations that lie further than max_error_px from the point's image are
+// dropped, the worst first, the point being triangulated anew each time. Tracks of which fewer than
+// two frames are left are left out, as are those beyond the depth limit (from the first frame).
 std::vector<AdjustedPoint> TriangulateTracks(
     const std::vector<Track>& tracks, const Correspondences& correspondences, const StereoRig& rig,
     const std::vector<std::optional<Rigid3>>& left_from_world, double max_error_px,

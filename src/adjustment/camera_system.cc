@@ -6,12 +6,15 @@
 #include <algorithm>
 #include <map>
 
+#include "adjustment/anchor_frames.h"
 #include "adjustment/reprojection.h"
+#include "adjustment/selected_inverse.h"
 
 namespace rigmap {
 namespace {
 
 constexpr int kShared = 4;  // right eye's rotation, common focal factor
+constexpr double kUnknownVariance = 1e6;
 using SharedMatrix = Eigen::Matrix<double, kShared, kShared>;
 using PoseShared = Eigen::Matrix<double, 6, kShared>;
 using SharedPoint = Eigen::Matrix<double, kShared, 3>;
@@ -20,9 +23,12 @@ using PosePoint = Eigen::Matrix<double, 6, 3>;
 // Blocks of the reduced system. Frames are numbered in the order in which they were first met.
 class ReducedSystem {
  public:
-  explicit ReducedSystem(std::size_t frames) : unknown_(frames, -1) {}
-
-  void Fix(int frame) { unknown_[frame] = kFixed; }
+  explicit ReducedSystem(std::vector<int> anchors)
+      : anchors_(std::move(anchors)), unknown_(anchors_.size(), -1) {
+    for (std::size_t i = 0; i < anchors_.size(); ++i) {
+      if (anchors_[i] == static_cast<int>(i)) unknown_[i] = kFixed;
+    }
+  }
 
   void AddPoint(const AdjustedPoint& point, const std::vector<std::optional<Rigid3>>& poses,
                 const StereoRig& rig, double noise_px, double huber_px) {
@@ -92,6 +98,7 @@ class ReducedSystem {
     shared_gradient_ -= shared_point * inverse * v_gradient;
   }
 
+  std::vector<int> anchors_;
   std::vector<int> unknown_;
   std::map<std::pair<int, int>, Matrix6d> blocks_;  // lower triangle
   std::vector<PoseShared> pose_shared_;
@@ -127,18 +134,22 @@ Matrix6d WorldFromPerturbation(const Rigid3& left_from_world) {
 
 CameraSystemResult ReducedSystem::Solve(const std::vector<std::optional<Rigid3>>& poses) const {
   CameraSystemResult result;
+  result.anchors = anchors_;
   result.covariances.assign(poses.size(), Matrix6d::Zero());
   const int unknowns = static_cast<int>(pose_shared_.size());
   if (unknowns == 0) return result;
   const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> solver(LowerTriangle(blocks_, unknowns));
-  if (solver.info() != Eigen::Success) return result;
+  if (solver.info() != Eigen::Success || !(solver.vectorD().minCoeff() > 0.0)) {
+    for (std::size_t frame = 0; frame < poses.size(); ++frame) {
+      if (unknown_[frame] >= 0) result.covariances[frame].diagonal().setConstant(kUnknownVariance);
+    }
+    return result;
+  }
+  const std::vector<Matrix6d> inverse = InverseDiagonalBlocks(solver);
   for (std::size_t frame = 0; frame < poses.size(); ++frame) {
     if (unknown_[frame] < 0) continue;
-    Eigen::MatrixXd unit = Eigen::MatrixXd::Zero(6 * unknowns, 6);
-    unit.middleRows<6>(6 * unknown_[frame]).setIdentity();
-    const Matrix6d inverse = solver.solve(unit).eval().middleRows<6>(6 * unknown_[frame]);
     const Matrix6d jacobian = WorldFromPerturbation(*poses[frame]);
-    result.covariances[frame] = jacobian * inverse * jacobian.transpose();
+    result.covariances[frame] = jacobian * inverse[unknown_[frame]] * jacobian.transpose();
   }
   Eigen::MatrixXd coupling(6 * unknowns, kShared);
   Eigen::VectorXd gradient(6 * unknowns);
@@ -163,11 +174,7 @@ CameraSystemResult ReducedSystem::Solve(const std::vector<std::optional<Rigid3>>
 CameraSystemResult SolveCameraSystem(const std::vector<AdjustedPoint>& points,
                                      const std::vector<std::optional<Rigid3>>& left_from_world,
                                      const StereoRig& rig, double noise_px, double huber_px) {
-  ReducedSystem system(left_from_world.size());
-  const auto first = std::find_if(left_from_world.begin(), left_from_world.end(),
-                                  [](const auto& motion) { return motion.has_value(); });
-  if (first == left_from_world.end()) return {};
-  system.Fix(static_cast<int>(first - left_from_world.begin()));
+  ReducedSystem system(AnchorFrames(points, left_from_world.size()));
   for (const AdjustedPoint& point : points) {
     system.AddPoint(point, left_from_world, rig, noise_px, huber_px);
   }

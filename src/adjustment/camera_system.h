@@ -26,8 +26,12 @@ struct CalibrationStep {
 };
 
 struct CameraSystemResult {
-  // Of world_from_left relative to the fixed frame, in the axes of the adjustment's world:
-  // translation (m), then rotation (rad). Zero for the fixed frame and frames without points.
+  // Per frame, the frame whose pose was fixed for it: the first of those that it hangs together
+  // with (AnchorFrames); itself for the fixed frames and those without points.
+  std::vector<int> anchors;
+  // Of world_from_left relative to the frame's anchor, in the axes of the adjustment's world:
+  // translation (m), then rotation (rad). Zero for anchors; 1e6 on the diagonal where the system is
+  // singular.
   std::vector<Matrix6d> covariances;
   std::optional<CalibrationStep> calibration;  // nothing where the system cannot tell
 };

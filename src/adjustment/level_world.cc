@@ -10,6 +10,11 @@ namespace {
 
 using Poses = std::vector<std::optional<Rigid3>>;
 
+const Rigid3& FirstPose(const Poses& gauge_from_left) {
+  return **std::find_if(gauge_from_left.begin(), gauge_from_left.end(),
+                        [](const auto& motion) { return motion.has_value(); });
+}
+
 std::optional<Eigen::Vector3d> UpFromImu(const Poses& gauge_from_left, const Dataset& dataset) {
   if (!dataset.rig.imu_from_left || dataset.inclinometer.empty()) return std::nullopt;
   const Eigen::Quaterniond left_from_imu = dataset.rig.imu_from_left->rotation.conjugate();
@@ -43,8 +48,9 @@ std::optional<Eigen::Vector3d> UpFromGround(const Poses& gauge_from_left,
   constexpr double kMinShare = 1.0 / 3.0, kMaxTiltCosine = 0.70711, kTolerance = 0.02;
   if (points.size() < kMinPoints) return std::nullopt;
   const Eigen::Vector3d camera_up = MeanCameraUp(gauge_from_left);
+  const Eigen::Vector3d first_camera = FirstPose(gauge_from_left).translation;
   std::vector<double> distances;
-  for (const Eigen::Vector3d& x : points) distances.push_back(x.norm());
+  for (const Eigen::Vector3d& x : points) distances.push_back((x - first_camera).norm());
   std::nth_element(distances.begin(), distances.begin() + distances.size() / 2, distances.end());
   const double tolerance = kTolerance * distances[distances.size() / 2];
   std::mt19937 random(static_cast<unsigned>(points.size()));
@@ -72,8 +78,7 @@ std::optional<Eigen::Vector3d> UpFromGround(const Poses& gauge_from_left,
 
 LevelledWorld LevelWorld(const std::vector<std::optional<Rigid3>>& gauge_from_left,
                          std::span<const Eigen::Vector3d> points_in_gauge, const Dataset& dataset) {
-  const Rigid3 first = **std::find_if(gauge_from_left.begin(), gauge_from_left.end(),
-                                      [](const auto& motion) { return motion.has_value(); });
+  const Rigid3 first = FirstPose(gauge_from_left);
   LevelledWorld world;
   std::optional<Eigen::Vector3d> up = UpFromImu(gauge_from_left, dataset);
   world.up_source = "imu";

@@ -24,7 +24,7 @@ struct PatchWarp {
 struct PatchAlignmentOptions {
   int radius_px = 6;  // of the window; 13 x 13 pixels hold the six parameters on sand
   int max_iterations = 20;
-  double converged_px = 0.001;
+  double converged_px = 0.01;
   double max_shift_px = 3.0;  // a window that moves further has found something else
   double max_stretch = 0.5;   // largest change of the linear part (any entry) from its start
 };

@@ -10,7 +10,7 @@
 namespace rigmap {
 
 struct Keypoints {
-  std::vector<Eigen::Vector2d> pixels;  // OpenCV's convention, to 0.05 px on a symmetric blob
+  std::vector<Eigen::Vector2d> pixels;  // OpenCV's convention; on a blob unbiased, to 0.05 px rms
   std::vector<float> sizes;             // diameter, px
   std::vector<Descriptor> descriptors;
 };

@@ -8,6 +8,10 @@
 namespace rigmap {
 namespace {
 
+// Each view of a place is matched with so many views after it. COLMAP's cost is linear in matches,
+// and a place seen fifty times needs no match of its first view with its last.
+constexpr std::size_t kTrackNeighbours = 4;
+
 // Tracks with their frames replaced by keyframe indices; frames that are none are passed over.
 std::vector<Track> KeyframeTracks(const Correspondences& correspondences,
                                   const std::vector<int>& keyframe_of_frame) {
@@ -94,7 +98,7 @@ DatabaseContent MakeDatabaseContent(const KeyframeGraph& graph,
   std::map<std::pair<int, int>, DatabasePair> between;
   for (const Track& track : graph.tracks) {
     for (std::size_t i = 0; i < track.size(); ++i) {
-      for (std::size_t j = i + 1; j < track.size(); ++j) {
+      for (std::size_t j = i + 1; j < std::min(track.size(), i + 1 + kTrackNeighbours); ++j) {
         DatabasePair& pair = between[{track[i].frame, track[j].frame}];
         pair.image_a = LeftImageId(track[i].frame);
         pair.image_b = LeftImageId(track[j].frame);

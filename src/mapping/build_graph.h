@@ -14,8 +14,8 @@ namespace rigmap {
 KeyframeGraph BuildKeyframeGraph(const Correspondences& correspondences, const Odometry& odometry,
                                  const Dataset& dataset, const MappingOptions& options);
 
-// Both cameras, two images per keyframe, stereo matches and matches between the left images of
-// every two keyframes that share a track (COLMAP itself passes over pairs with less than 15).
+// Both cameras, two images per keyframe, stereo matches and, along every track, matches of each
+// left keypoint with the next few (COLMAP itself passes over pairs of images with less than 15).
 DatabaseContent MakeDatabaseContent(const KeyframeGraph& graph,
                                     const Correspondences& correspondences, const StereoRig& rig);
 

@@ -34,7 +34,9 @@ class KeyframeMapper {
     Progress progress("mapping", 2 * input_.graph.keyframes.size());
     std::vector<bool> left_over(keyframes, true);
     while (static_cast<int>(made_.size()) < options_.max_models) {
-      const int length = std::min(options_.seed_keyframes, keyframes);
+      // Half of a short part at the most: a model that is all seed was not mapped, and its
+      // left-right distances would be those that were put in.
+      const int length = std::min(options_.seed_keyframes, std::max(2, keyframes / 2));
       const auto first = BestSeedStart(input_.graph, left_over, length);
       if (!first) break;
       // A seed that fails is not tried again.

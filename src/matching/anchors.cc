@@ -27,6 +27,16 @@ AnchoredFrame MakeAnchored(FrameFeatures features) {
   return frame;
 }
 
+void RestorePositions(const std::vector<Feature>& refined, const std::vector<bool>& aligned,
+                      AnchoredFrame& frame) {
+  frame.refined = refined;
+  frame.aligned = aligned;
+  for (std::size_t i = 0; i < refined.size(); ++i) {
+    const Eigen::Vector2d& found = frame.found.features[i].left;
+    frame.anchors[i].offset = refined[i].left - (found - OffsetInPatch(found));
+  }
+}
+
 bool AlignWithAnchor(const AnchoredFrame& earlier, int a, AnchoredFrame& later, int b, double scale,
                      const MatchingOptions& options) {
   const Anchor& anchor = earlier.anchors[a];

@@ -28,6 +28,11 @@ struct AnchoredFrame {
 
 AnchoredFrame MakeAnchored(FrameFeatures features);
 
+// Puts features back to where they had been moved; each one's own patch, around its refined place,
+// becomes its anchor.
+void RestorePositions(const std::vector<Feature>& refined, const std::vector<bool>& aligned,
+                      AnchoredFrame& frame);
+
 // Aligns feature b of `later` with the anchor of feature a of `earlier` and moves it there, its
 // stereo partner along with it; the anchor is handed on, or made anew where the view has changed by
 // more than half in size. `scale` is the expected growth from earlier to later. False, with nothing

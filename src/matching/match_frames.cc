@@ -8,21 +8,16 @@
 #include "correspondence/feature_matching.h"
 #include "correspondence/stereo_points.h"
 #include "correspondence/stereo_pose.h"
-#include "matching/anchors.h"
+#include "matching/frame_window.h"
 #include "matching/pair_selection.h"
 
 namespace rigmap {
 namespace {
 
-struct MatchedFrame {
-  AnchoredFrame anchored;
-  std::vector<std::optional<StereoPoint>> points;  // of the features as found
-};
-
-std::vector<Eigen::Vector3d> SamplePoints(const MatchedFrame& frame) {
+std::vector<Eigen::Vector3d> SamplePoints(const std::vector<std::optional<StereoPoint>>& points) {
   constexpr std::size_t kSamples = 100;
   std::vector<Eigen::Vector3d> present, sample;
-  for (const auto& point : frame.points) {
+  for (const auto& point : points) {
     if (point) present.push_back(point->x_in_left);
   }
   const std::size_t step = std::max<std::size_t>(1, present.size() / kSamples);
@@ -93,15 +88,14 @@ double Growth(const StereoPoint& in_a, const Rigid3& b_from_a) {
 // Moves features of b onto their place in a where they have not been aligned yet; drops matches
 // whose patches disagree. A feature already aligned with another view is taken as it is.
 FramePair Refine(const CandidatePair& pair, const std::vector<FeatureMatch>& matches,
-                 const Odometry& odometry, std::vector<MatchedFrame>& frames,
-                 const MatchingOptions& options) {
+                 const Odometry& odometry, FrameWindow& window, const MatchingOptions& options) {
   // Align the frame that was not matched with others before, which is the one that is no keyframe
   // or else the later one.
   const bool backwards = !odometry[pair.a].keyframe;
-  MatchedFrame& fixed = frames[backwards ? pair.b : pair.a];
-  MatchedFrame& moving = frames[backwards ? pair.a : pair.b];
-  const Rigid3 moving_from_fixed = odometry[backwards ? pair.a : pair.b].world_from_left.Inverse() *
-                                   odometry[backwards ? pair.b : pair.a].world_from_left;
+  const int fixed_frame = backwards ? pair.b : pair.a, moving_frame = backwards ? pair.a : pair.b;
+  MatchedFrame &fixed = window.At(fixed_frame), &moving = window.At(moving_frame);
+  const Rigid3 moving_from_fixed =
+      odometry[moving_frame].world_from_left.Inverse() * odometry[fixed_frame].world_from_left;
   FramePair result{pair.a, pair.b, {}};
   for (const FeatureMatch& match : matches) {
     const int in_fixed = backwards ? match.b : match.a, in_moving = backwards ? match.a : match.b;
@@ -120,26 +114,27 @@ FramePair Refine(const CandidatePair& pair, const std::vector<FeatureMatch>& mat
 
 Correspondences MatchFrames(const Odometry& odometry, const MatchingFeatures& features,
                             const StereoRig& rig, const MatchingOptions& options) {
-  std::vector<MatchedFrame> frames;
-  std::vector<std::vector<Eigen::Vector3d>> sample_points;
+  std::vector<std::vector<Eigen::Vector3d>> sample_points(odometry.size());
   for (std::size_t i = 0; i < odometry.size(); ++i) {
-    MatchedFrame& frame = frames.emplace_back();
-    frame.anchored = MakeAnchored(features(static_cast<int>(i)));
-    frame.points = TriangulateFeatures(frame.anchored.refined, rig, options.disparity_noise_px);
-    sample_points.push_back(SamplePoints(frame));
+    if (!odometry[i].keyframe) continue;
+    sample_points[i] = SamplePoints(TriangulateFeatures(features(static_cast<int>(i)).features, rig,
+                                                        options.disparity_noise_px));
   }
+  // Pairs come in order of time, so that a frame's neighbours and revisits are all that is held.
+  const int held = options.neighbours + options.max_revisits + 2;
+  FrameWindow window(features, rig, options.disparity_noise_px, static_cast<std::size_t>(held));
   const PairMatcher matcher(odometry, rig, options);
   Correspondences result;
   for (const CandidatePair& pair : SelectPairs(odometry, sample_points, rig, options)) {
-    const auto verified = matcher.Verified(pair, frames[pair.a], frames[pair.b]);
-    FramePair refined = Refine(pair, verified, odometry, frames, options);
+    const auto verified = matcher.Verified(pair, window.At(pair.a), window.At(pair.b));
+    FramePair refined = Refine(pair, verified, odometry, window, options);
     spdlog::info("{} {}: {} verified, {} aligned", pair.a, pair.b, verified.size(),
                  refined.matches.size());
     if (static_cast<int>(refined.matches.size()) >= options.min_inliers) {
       result.pairs.push_back(std::move(refined));
     }
   }
-  for (MatchedFrame& frame : frames) result.features.push_back(std::move(frame.anchored.refined));
+  result.features = window.Finish(static_cast<int>(odometry.size()));
   return result;
 }
 

@@ -1,17 +1,13 @@
 // The stage `matching`: pairs of frames that geometry suggests become verified correspondences.
 #pragma once
 
-#include <functional>
-
+#include "matching/frame_window.h"
 #include "matching/matching_options.h"
 #include "scene/correspondences.h"
 #include "scene/odometry.h"
 #include "scene/rig.h"
 
 namespace rigmap {
-
-// Gives frame i's features.
-using MatchingFeatures = std::function<FrameFeatures(int frame)>;
 
 // Matches each selected pair near the places that odometry predicts, keeps what agrees with one
 // motion of the rig (stereo points of one frame against both eyes of the other), and refines the

@@ -49,12 +49,14 @@ std::vector<CandidatePair> SelectPairs(
          ++i) {
       pairs.push_back({revisited[i].second, b, true});
     }
+    for (int frame = k > 0 ? keyframes[k - 1] + 1 : 0; frame < b; ++frame) {
+      if (k > 0) pairs.push_back({keyframes[k - 1], frame, false});
+      pairs.push_back({frame, b, false});
+    }
   }
-  for (int frame = 0; frame < static_cast<int>(odometry.size()); ++frame) {
-    if (odometry[frame].keyframe) continue;
-    const auto next = std::lower_bound(keyframes.begin(), keyframes.end(), frame);
-    if (next != keyframes.begin()) pairs.push_back({*(next - 1), frame, false});
-    if (next != keyframes.end()) pairs.push_back({frame, *next, false});
+  for (int frame = keyframes.empty() ? 0 : keyframes.back() + 1;
+       frame < static_cast<int>(odometry.size()) && !keyframes.empty(); ++frame) {
+    pairs.push_back({keyframes.back(), frame, false});
   }
   return pairs;
 }

@@ -17,7 +17,8 @@ struct CandidatePair {
 };
 
 // For each keyframe the keyframes just before it and revisited ones, nearest first; for every other
-// frame the keyframes before and after it. Keyframes come first, in order of b.
+// frame the keyframes before and after it. In order of time: each keyframe's pairs are followed by
+// those of the frames between the keyframe before and it.
 // `sample_points[k]` are some points seen by keyframe k, in its left camera.
 std::vector<CandidatePair> SelectPairs(
     const Odometry& odometry, const std::vector<std::vector<Eigen::Vector3d>>& sample_points,

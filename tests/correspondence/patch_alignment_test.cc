@@ -22,7 +22,7 @@ Surface RandomTexture(SeededRandom& random) {
   std::vector<Eigen::Vector3d> waves;
   for (int i = 0; i < 12; ++i) {
     const double direction = random.Uniform(0.0, 2.0 * std::numbers::pi);
-    const double number = 2.0 * std::numbers::pi / random.Uniform(9.0, 25.0);
+    const double number = 2.0 * std::numbers::pi / random.Uniform(7.0, 25.0);
     waves.emplace_back(number * std::cos(direction), number * std::sin(direction),
                        random.Uniform(0.0, 2.0 * std::numbers::pi));
   }

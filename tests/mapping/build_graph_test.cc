@@ -186,7 +186,8 @@ TEST_F(BuildGraphTest, TheDatabaseTakesItAndGivesItBack) {
     ASSERT_EQ(read.images[i].keypoints.size(), content.images[i].keypoints.size());
     for (std::size_t j = 0; j < read.images[i].keypoints.size(); ++j) {
       const Eigen::Vector2f moved = read.images[i].keypoints[j] - content.images[i].keypoints[j];
-      ASSERT_LT(moved.norm(), 1e-4);  // px: half a pixel is added and taken away in single precision
+      ASSERT_LT(moved.norm(),
+                1e-4);  // px: half a pixel is added and taken away in single precision
     }
   }
   const auto count = [](const DatabaseContent& of) {

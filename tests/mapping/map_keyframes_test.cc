@@ -118,13 +118,11 @@ TEST_P(SeededOnGround, RegistersAllAndKeepsTheEyesApartAlike) {
   EXPECT_LT(scale.relative_spread, 0.01);
   EXPECT_THAT(scale.pairs_rejected, IsEmpty());
   EXPECT_LT(PathError_m(Place(result), part_.rover.world_from_left), 0.005);  // of 2.2 m
-  EXPECT_GT(PathError_m(poses_, part_.rover.world_from_left), 0.006);  // the odometry alone
+  EXPECT_GT(PathError_m(poses_, part_.rover.world_from_left), 0.006);         // the odometry alone
 }
 
 INSTANTIATE_TEST_SUITE_P(Ground, SeededOnGround, testing::Values(0.15, 0.0),
-                         [](const auto& ground) {
-                           return ground.param > 0.0 ? "Relief" : "Flat";
-                         });
+                         [](const auto& ground) { return ground.param > 0.0 ? "Relief" : "Flat"; });
 
 TEST_F(MapKeyframesTest, TriangulatesOnTheOdometricPoses) {
   Make({.frames = 10, .seed = 22});

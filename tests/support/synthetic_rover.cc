@@ -85,7 +85,7 @@ std::optional<Eigen::Vector2d> See(const Camera& camera, const Eigen::Vector3d& 
   return camera.Contains(*pixel) ? pixel : std::nullopt;
 }
 
-// A sum of waves, one set per point.
+// A sum of waves of all lengths, one set per point, blurred as by a lens.
 class PointTextures {
  public:
   explicit PointTextures(unsigned seed) : seed_(seed) {}
@@ -93,26 +93,28 @@ class PointTextures {
   // Grey values around the rounded `found` of a point truly at `pixel` and so far away.
   Patch Show(int point, const Eigen::Vector2d& found, const Eigen::Vector2d& pixel,
              double depth_m) const {
-    constexpr int kWaves = 8;
-    constexpr double kDepthOfUnitScale_m = 4.0;
+    constexpr int kWaves = 12;
+    constexpr double kAmplitude = 20.0, kBlur_px = 0.8;
     std::mt19937 random(seed_ + static_cast<unsigned>(point));
     std::uniform_real_distribution<double> unit(0.0, 1.0);
     std::array<double, kPatchSize * kPatchSize> grey{};
     for (int wave = 0; wave < kWaves; ++wave) {
       const double direction = 2.0 * std::numbers::pi * unit(random);
-      const double length_px = 6.0 + 14.0 * unit(random),
-                   phase = 2.0 * std::numbers::pi * unit(random);
-      const double number = 2.0 * std::numbers::pi / length_px * depth_m / kDepthOfUnitScale_m;
+      const double length_px = 5.0 * std::pow(8.0, unit(random)) * 4.0 / depth_m;
+      const double phase = 2.0 * std::numbers::pi * unit(random);
+      const double number = 2.0 * std::numbers::pi / length_px;
+      const double amplitude = kAmplitude * std::exp(-0.5 * std::pow(number * kBlur_px, 2));
       for (int i = 0; i < kPatchSize * kPatchSize; ++i) {
         const double x = std::round(found.x()) - pixel.x() + i % kPatchSize - kPatchRadius;
         const double y = std::round(found.y()) - pixel.y() + i / kPatchSize - kPatchRadius;
-        grey[i] += std::sin(number * (x * std::cos(direction) + y * std::sin(direction)) + phase);
+        const double along = x * std::cos(direction) + y * std::sin(direction);
+        grey[i] += amplitude * std::sin(number * along + phase);
       }
     }
     Patch patch;
-    for (int i = 0; i < kPatchSize * kPatchSize; ++i) {
-      patch[i] = static_cast<std::uint8_t>(std::lround(128.0 + 15.0 * grey[i]));
-    }
+    std::transform(grey.begin(), grey.end(), patch.begin(), [](double value) {
+      return static_cast<std::uint8_t>(std::clamp(128.5 + value, 0.0, 255.0));
+    });
     return patch;
   }
 

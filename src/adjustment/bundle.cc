@@ -1,0 +1,112 @@
+#include "adjustment/bundle.h"
+
+#include <ceres/ceres.h>
+#include <spdlog/spdlog.h>
+
+#include <numbers>
+
+#include "adjustment/anchor_frames.h"
+#include "adjustment/reprojection_cost.h"
+
+namespace rigmap {
+namespace {
+
+ceres::Problem::Options BorrowingOptions() {
+  ceres::Problem::Options options;
+  options.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+  options.manifold_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+  return options;
+}
+
+class BundleProblem {
+ public:
+  BundleProblem(Bundle& bundle, double huber_px)
+      : bundle_(bundle),
+        loss_(huber_px),
+        rig_(ToBlock(bundle.rig.right_from_left)),
+        problem_(BorrowingOptions()),
+        ordering_(std::make_shared<ceres::ParameterBlockOrdering>()) {
+    for (const auto& pose : bundle.left_from_world) {
+      frames_.push_back(ToBlock(pose.value_or(Rigid3())));
+    }
+    AddPoints();
+    AddFrames();
+    problem_.SetManifold(rig_.data(), rig_manifold_.get());
+    ordering_->AddElementToGroup(rig_.data(), 1);
+  }
+
+  void HoldRig() { problem_.SetParameterBlockConstant(rig_.data()); }
+
+  void DrawRigTo(const Rigid3& calibrated, double sigma_rad) {
+    problem_.AddResidualBlock(MakeRigPrior(calibrated, sigma_rad).release(), nullptr, rig_.data());
+  }
+
+  void Solve(const AdjustmentOptions& options) {
+    ceres::Solver::Options solver_options;
+    solver_options.linear_solver_type = ceres::SPARSE_SCHUR;
+    solver_options.linear_solver_ordering = ordering_;
+    solver_options.max_num_iterations = options.max_iterations;
+    solver_options.function_tolerance = options.function_tolerance;
+    // Nearly undamped from the start: the starting poses are good to a pixel, and damping would let
+    // the bending of a long path, which hardly shows in the cost, converge slowly.
+    solver_options.initial_trust_region_radius = 1e8;
+    solver_options.num_threads = 1;  // the order of sums, and so the last digits, depends on it
+    solver_options.logging_type = ceres::SILENT;
+    ceres::Solver::Summary summary;
+    ceres::Solve(solver_options, &problem_, &summary);
+    spdlog::info("{}", summary.BriefReport());
+    for (std::size_t i = 0; i < frames_.size(); ++i) {
+      auto& pose = bundle_.left_from_world[i];
+      if (pose) pose = FromBlock(frames_[i].data());
+    }
+    bundle_.rig.right_from_left = FromBlock(rig_.data());
+  }
+
+ private:
+  void AddPoints() {
+    for (AdjustedPoint& point : bundle_.points) {
+      for (const PointObservation& observation : point.observations) {
+        problem_.AddResidualBlock(MakeReprojectionCost(bundle_.rig, observation).release(), &loss_,
+                                  frames_[observation.frame].data(), point.x.data(), rig_.data());
+      }
+      ordering_->AddElementToGroup(point.x.data(), 0);
+    }
+  }
+
+  void AddFrames() {
+    const std::vector<int> anchors = AnchorFrames(bundle_.points, frames_.size());
+    for (std::size_t i = 0; i < frames_.size(); ++i) {
+      double* frame = frames_[i].data();
+      if (!problem_.HasParameterBlock(frame)) continue;
+      problem_.SetManifold(frame, frame_manifold_.get());
+      ordering_->AddElementToGroup(frame, 1);
+      if (anchors[i] == static_cast<int>(i)) problem_.SetParameterBlockConstant(frame);
+    }
+  }
+
+  Bundle& bundle_;
+  ceres::HuberLoss loss_;
+  std::unique_ptr<ceres::Manifold> frame_manifold_ = MakeFrameManifold();
+  std::unique_ptr<ceres::Manifold> rig_manifold_ = MakeRigManifold();
+  std::vector<MotionBlock> frames_;
+  MotionBlock rig_;
+  ceres::Problem problem_;
+  std::shared_ptr<ceres::ParameterBlockOrdering> ordering_;
+};
+
+}  // namespace
+
+void SolveBundle(const Rigid3& calibrated, double noise_px, const AdjustmentOptions& options,
+                 Bundle& bundle) {
+  BundleProblem problem(bundle, options.huber_sigmas * noise_px);
+  if (options.refine_rig == "none") {
+    problem.HoldRig();
+  } else {
+    // Residuals of the images are in pixels, not sigmas.
+    const double sigma_rad = options.rig_prior_deg * std::numbers::pi / 180.0;
+    problem.DrawRigTo(calibrated, sigma_rad / noise_px);
+  }
+  problem.Solve(options);
+}
+
+}  // namespace rigmap

@@ -1,0 +1,46 @@
+#include "core/memory_peak.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <fstream>
+
+namespace rigmap {
+namespace {
+
+double ResidentMb() {
+  std::ifstream pages("/proc/self/statm");
+  double size = 0.0, resident = 0.0;
+  pages >> size >> resident;
+  return resident * static_cast<double>(sysconf(_SC_PAGESIZE)) / (1024.0 * 1024.0);
+}
+
+}  // namespace
+
+MemoryPeak::MemoryPeak() : peak_mb_(ResidentMb()), sampler_([this] { Sample(); }) {}
+
+MemoryPeak::~MemoryPeak() {
+  {
+    const std::lock_guard lock(mutex_);
+    stopping_ = true;
+  }
+  stop_.notify_one();
+  sampler_.join();
+}
+
+double MemoryPeak::Megabytes() {
+  const double now_mb = ResidentMb();
+  double known_mb = peak_mb_;
+  while (now_mb > known_mb && !peak_mb_.compare_exchange_weak(known_mb, now_mb)) {
+  }
+  return peak_mb_;
+}
+
+void MemoryPeak::Sample() {
+  constexpr auto kInterval = std::chrono::milliseconds(20);
+  std::unique_lock lock(mutex_);
+  while (!stop_.wait_for(lock, kInterval, [this] { return stopping_; })) Megabytes();
+}
+
+}  // namespace rigmap

@@ -1,0 +1,54 @@
+// The frames that are being matched, loaded when needed and let go again.
+#pragma once
+
+#include <deque>
+#include <functional>
+#include <map>
+#include <optional>
+#include <vector>
+
+#include "correspondence/stereo_points.h"
+#include "matching/anchors.h"
+
+namespace rigmap {
+
+// Gives frame i's features.
+using MatchingFeatures = std::function<FrameFeatures(int frame)>;
+
+struct MatchedFrame {
+  AnchoredFrame anchored;
+  std::vector<std::optional<StereoPoint>> points;  // of the features as found
+};
+
+// Holds descriptors, patches and anchors (2 MB a frame) of the frames used last; of all others the
+// refined positions only. A frame that comes back has its own patches for anchors.
+class FrameWindow {
+ public:
+  // At least two frames are held.
+  FrameWindow(MatchingFeatures features, const StereoRig& rig, double disparity_noise_px,
+              std::size_t held_frames);
+
+  // Stays valid until `held_frames` other frames have been asked for.
+  MatchedFrame& At(int frame);
+
+  // The refined features of frames 0 to frame_count - 1, whether they were asked for or not.
+  std::vector<std::vector<Feature>> Finish(int frame_count);
+
+ private:
+  struct Kept {
+    std::vector<Feature> refined;
+    std::vector<bool> aligned;
+  };
+  MatchedFrame Load(int frame) const;
+  void LetGo(int frame);
+
+  MatchingFeatures features_;
+  const StereoRig& rig_;
+  double disparity_noise_px_;
+  std::size_t held_frames_;
+  std::map<int, MatchedFrame> held_;
+  std::deque<int> by_use_;  // frames held, used longest ago first
+  std::map<int, Kept> kept_;
+};
+
+}  // namespace rigmap

@@ -1,0 +1,101 @@
+// What the adjustment says of a wrong calibration.
+#include "tests/adjustment/rover_bundle.h"
+
+namespace rigmap {
+namespace {
+
+// A rig that is not what the data were made with.
+class CalibrationTest : public AdjustTest {
+ protected:
+  static constexpr double kTurn_rad = 0.05 * kDegree;
+
+  void SetUp() override {
+    Make({.frames = 10, .curve_rad_per_m = 0.2, .points_per_m2 = 12.0, .seed = 81});
+    true_rig_ = rover_.rig;
+  }
+
+  // Turns the right eye about its own centre.
+  void TurnRight(const Eigen::Vector3d& turn_rad) {
+    const Rigid3 turn{ExpRotation(turn_rad), Eigen::Vector3d::Zero()};
+    rover_.rig.right_from_left = turn * true_rig_.right_from_left;
+  }
+
+  static void ExpectWithin(double found, double sigma, double expected) {
+    EXPECT_NEAR(found, expected, 3.0 * sigma + 0.2 * std::abs(expected));
+  }
+
+  // The turn (right camera axes) that is left from this rig to the true one.
+  Eigen::Vector3d TurnLeft_rad(const Rigid3& right_from_left) const {
+    return LogRotation(true_rig_.right_from_left.rotation * right_from_left.rotation.conjugate());
+  }
+
+  StereoRig true_rig_;
+};
+
+TEST_F(CalibrationTest, TheRightRigHasNothingToCorrect) {
+  const Adjustment adjusted = Adjust(AllOf(BadOdometry()));
+  ASSERT_TRUE(adjusted.calibration);
+  const CalibrationStep& step = *adjusted.calibration;
+  for (int axis = 0; axis < 3; ++axis) {
+    ExpectWithin(step.rig_rotation(axis), step.rig_rotation_sigma(axis), 0.0);
+    EXPECT_LT(step.rig_rotation_sigma(axis), 0.1 * kTurn_rad);
+  }
+  ExpectWithin(step.log_focal, step.log_focal_sigma, 0.0);
+  EXPECT_LT(step.log_focal_sigma, 0.002);
+  EXPECT_EQ(adjusted.right_from_left.translation, true_rig_.right_from_left.translation);
+}
+
+TEST_F(CalibrationTest, ATurnedRightEyeIsFoundByTheStep) {
+  for (int axis = 0; axis < 3; ++axis) {
+    TurnRight(kTurn_rad * Eigen::Vector3d::Unit(axis));
+    const Adjustment adjusted = Adjust(AllOf(rover_.world_from_left));
+    ASSERT_TRUE(adjusted.calibration);
+    const CalibrationStep& step = *adjusted.calibration;
+    for (int i = 0; i < 3; ++i) {
+      ExpectWithin(step.rig_rotation(i), step.rig_rotation_sigma(i), i == axis ? -kTurn_rad : 0.0);
+    }
+    EXPECT_GT(std::abs(step.rig_rotation(axis)), 10.0 * step.rig_rotation_sigma(axis));
+    ExpectWithin(step.log_focal, step.log_focal_sigma, 0.0);
+  }
+}
+
+TEST_F(CalibrationTest, AWrongFocalLengthIsFoundByTheStep) {
+  for (RigEye* eye : {&rover_.rig.left, &rover_.rig.right}) {
+    eye->camera.fx *= 1.005;
+    eye->camera.fy *= 1.005;
+  }
+  const CalibrationStep step = Adjust(AllOf(rover_.world_from_left)).calibration.value();
+  ExpectWithin(step.log_focal, step.log_focal_sigma, -std::log(1.005));
+  EXPECT_GT(std::abs(step.log_focal), 3.0 * step.log_focal_sigma);
+}
+
+TEST_F(CalibrationTest, ARefinedRigMovesToTheTruthAndKeepsItsBaseline) {
+  for (int axis = 0; axis < 3; ++axis) {
+    TurnRight(kTurn_rad * Eigen::Vector3d::Unit(axis));
+    const MaybePoses poses = AllOf(rover_.world_from_left);
+    const Adjustment held = Adjust(poses), refined = Adjust(poses, {.refine_rig = "rotation"});
+    EXPECT_NEAR(TurnLeft_rad(held.right_from_left).norm(), kTurn_rad, 1e-9);
+    EXPECT_LT(TurnLeft_rad(refined.right_from_left).norm(), 0.1 * kTurn_rad);
+    const Eigen::Vector3d centre = refined.right_from_left.Inverse().translation;
+    EXPECT_LT((centre - true_rig_.right_from_left.Inverse().translation).norm(), 1e-12);  // m
+    EXPECT_LT(refined.noise_px, held.noise_px);
+  }
+}
+
+TEST_F(CalibrationTest, APriorAsSureAsTheImagesMeetsThemHalfway) {
+  TurnRight(kTurn_rad * Eigen::Vector3d::UnitX());
+  const MaybePoses poses = AllOf(rover_.world_from_left);
+  const Adjustment free = Adjust(poses, {.refine_rig = "rotation", .rig_prior_deg = 10.0});
+  const double of_images_deg = free.calibration.value().rig_rotation_sigma.x() / kDegree;
+  const Adjustment drawn =
+      Adjust(poses, {.refine_rig = "rotation", .rig_prior_deg = of_images_deg});
+  // The noise, and so the sigma of the images, comes out larger where the rig is not yet right.
+  EXPECT_GT(TurnLeft_rad(drawn.right_from_left).norm(), 0.4 * kTurn_rad);
+  EXPECT_LT(TurnLeft_rad(drawn.right_from_left).norm(), 0.75 * kTurn_rad);
+  const Adjustment held =
+      Adjust(poses, {.refine_rig = "rotation", .rig_prior_deg = 0.05 * of_images_deg});
+  EXPECT_GT(TurnLeft_rad(held.right_from_left).norm(), 0.95 * kTurn_rad);
+}
+
+}  // namespace
+}  // namespace rigmap

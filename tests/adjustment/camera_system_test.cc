@@ -1,0 +1,158 @@
+#include "adjustment/camera_system.h"
+
+#include <gmock/gmock.h>
+
+#include <Eigen/LU>
+
+#include "adjustment/reprojection.h"
+#include "tests/adjustment/rover_bundle.h"
+
+namespace rigmap {
+namespace {
+
+constexpr double kNoHuber_px = 1e9;
+
+class CameraSystemTest : public testing::Test {
+ protected:
+  void Make(const SyntheticRoverOptions& options) {
+    rover_ = MakeSyntheticRover(options);
+    correspondences_ = RoverCorrespondences(rover_, 3);
+    left_from_world_ = InverseOf(AllOf(rover_.world_from_left));
+    Triangulate();
+  }
+
+  void Triangulate() {
+    points_ = TriangulateTracks(BuildTracks(correspondences_, false), correspondences_, rover_.rig,
+                                left_from_world_, 8.0, 100.0);
+  }
+
+  CameraSystemResult Solve(double noise_px, double huber_px = kNoHuber_px) const {
+    return SolveCameraSystem(points_, left_from_world_, rover_.rig, noise_px, huber_px);
+  }
+
+  SyntheticRover rover_;
+  Correspondences correspondences_;
+  MaybePoses left_from_world_;
+  std::vector<AdjustedPoint> points_;
+};
+
+// The whole normal matrix over frames 1.., then points, in sigmas of one pixel.
+Eigen::MatrixXd DenseNormalMatrix(const std::vector<AdjustedPoint>& points,
+                                  const MaybePoses& left_from_world, const StereoRig& rig) {
+  const int pose_unknowns = 6 * (static_cast<int>(left_from_world.size()) - 1);
+  const int size = pose_unknowns + 3 * static_cast<int>(points.size());
+  Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(size, size);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    for (const PointObservation& o : points[i].observations) {
+      const auto at =
+          Reproject(rig, o.eye, rig.right_from_left, *left_from_world[o.frame], points[i].x);
+      Eigen::MatrixXd row = Eigen::MatrixXd::Zero(2, size);
+      if (o.frame > 0) row.middleCols<6>(6 * (o.frame - 1)) = at->jacobians.pose;
+      row.middleCols<3>(pose_unknowns + 3 * static_cast<int>(i)) = at->jacobians.point;
+      normal += row.transpose() * row;
+    }
+  }
+  return normal;
+}
+
+TEST_F(CameraSystemTest, CovariancesAreThoseOfTheWholeSystem) {
+  Make({.frames = 4, .points_per_m2 = 1.5, .seed = 51});
+  ASSERT_GT(points_.size(), 25u);
+  const double noise_px = 0.3;
+  const Eigen::MatrixXd covariance =
+      noise_px * noise_px *
+      DenseNormalMatrix(points_, left_from_world_, rover_.rig)
+          .ldlt()
+          .solve(Eigen::MatrixXd::Identity(18 + 3 * static_cast<int>(points_.size()),
+                                           18 + 3 * static_cast<int>(points_.size())));
+  const CameraSystemResult result = Solve(noise_px);
+  for (int frame = 1; frame < 4; ++frame) {
+    // From a perturbation of left_from_world to one of world_from_left, by differences.
+    Matrix6d jacobian;
+    for (int axis = 0; axis < 6; ++axis) {
+      constexpr double kStep = 1e-6;
+      Rigid3 moved = *left_from_world_[frame];
+      const Vector6d delta = kStep * Vector6d::Unit(axis);
+      moved.rotation = ExpRotation(delta.head<3>()) * moved.rotation;
+      moved.translation += delta.tail<3>();
+      jacobian.col(axis) = ErrorOf(moved.Inverse(), left_from_world_[frame]->Inverse()) / kStep;
+    }
+    const Matrix6d block = covariance.block<6, 6>(6 * (frame - 1), 6 * (frame - 1));
+    const Matrix6d expected = jacobian * block * jacobian.transpose();
+    EXPECT_LT((result.covariances[frame] - expected).norm(), 1e-4 * expected.norm());
+  }
+}
+
+TEST_F(CameraSystemTest, TheFirstFrameIsCertainAndDoubtGrowsAlongThePath) {
+  Make({.frames = 12, .points_per_m2 = 5.0, .seed = 52});
+  const CameraSystemResult result = Solve(0.2);
+  EXPECT_THAT(result.anchors, testing::Each(0));
+  EXPECT_EQ(result.covariances[0], Matrix6d::Zero());
+  const auto variance_m2 = [&](int frame) {
+    return result.covariances[frame].topLeftCorner<3, 3>().trace();
+  };
+  for (int frame : {4, 8, 11}) EXPECT_GT(variance_m2(frame), variance_m2(frame - 3));
+}
+
+TEST_F(CameraSystemTest, SigmasAreProportionalToTheNoise) {
+  Make({.frames = 5, .points_per_m2 = 5.0, .seed = 53});
+  const CameraSystemResult once = Solve(0.2), twice = Solve(0.4);
+  const Matrix6d four_times = 4.0 * once.covariances[4];
+  EXPECT_LT((twice.covariances[4] - four_times).norm(), 1e-9 * four_times.norm());
+  ASSERT_TRUE(once.calibration && twice.calibration);
+  EXPECT_NEAR(twice.calibration->log_focal_sigma / once.calibration->log_focal_sigma, 2.0, 1e-6);
+  EXPECT_NEAR(twice.calibration->log_focal / once.calibration->log_focal, 1.0, 1e-6);
+}
+
+TEST_F(CameraSystemTest, CovariancesTurnWithTheWorld) {
+  Make({.frames = 5, .points_per_m2 = 5.0, .seed = 54});
+  SeededRandom random;
+  const CameraSystemResult here = Solve(0.2);
+  const Rigid3 moved_from_world = random.Motion(20.0);
+  for (auto& pose : left_from_world_) pose = *pose * moved_from_world.Inverse();
+  for (AdjustedPoint& point : points_) point.x = moved_from_world * point.x;
+  const CameraSystemResult there = Solve(0.2);
+  Matrix6d turn = Matrix6d::Zero();
+  turn.topLeftCorner<3, 3>() = moved_from_world.rotation.toRotationMatrix();
+  turn.bottomRightCorner<3, 3>() = turn.topLeftCorner<3, 3>();
+  const Matrix6d expected = turn * here.covariances[4] * turn.transpose();
+  EXPECT_LT((there.covariances[4] - expected).norm(), 1e-6 * expected.norm());
+  EXPECT_LT((there.calibration->rig_rotation - here.calibration->rig_rotation).norm(),
+            1e-6 * here.calibration->rig_rotation_sigma.norm());
+}
+
+TEST_F(CameraSystemTest, FramesThatShareNothingHangOnTheirOwnFirst) {
+  Make({.frames = 8, .points_per_m2 = 5.0, .seed = 55});
+  CutBefore(3, correspondences_);
+  Triangulate();
+  const CameraSystemResult result = Solve(0.2);
+  EXPECT_THAT(result.anchors, testing::ElementsAre(0, 0, 0, 3, 3, 3, 3, 3));
+  EXPECT_EQ(result.covariances[3], Matrix6d::Zero());
+  for (int frame : {1, 2, 4, 7}) {
+    const Eigen::Matrix3d of_position = result.covariances[frame].topLeftCorner<3, 3>();
+    const double sigma_m = std::sqrt(of_position.trace());
+    EXPECT_GT(sigma_m, 1e-5);
+    EXPECT_LT(sigma_m, 0.01);
+  }
+}
+
+TEST_F(CameraSystemTest, FramesWithoutPointsAreLeftAlone) {
+  Make({.frames = 5, .points_per_m2 = 5.0, .seed = 56});
+  left_from_world_[2].reset();
+  Triangulate();
+  const CameraSystemResult result = Solve(0.2);
+  ASSERT_EQ(result.covariances.size(), 5u);
+  EXPECT_EQ(result.covariances[2], Matrix6d::Zero());
+  EXPECT_EQ(result.anchors[2], 2);
+  EXPECT_FALSE(SolveCameraSystem({}, left_from_world_, rover_.rig, 0.2, 1.0).calibration);
+}
+
+TEST_F(CameraSystemTest, ResidualsBeyondHubersLimitCountForLess) {
+  Make({.frames = 5, .points_per_m2 = 5.0, .pixel_sigma = 0.5, .seed = 57});
+  const double plain = Solve(0.2).covariances[4].trace();
+  EXPECT_GT(Solve(0.2, 0.2).covariances[4].trace(), 1.2 * plain);
+  EXPECT_NEAR(Solve(0.2, 20.0).covariances[4].trace(), plain, 1e-9 * plain);
+}
+
+}  // namespace
+}  // namespace rigmap

@@ -1,0 +1,116 @@
+#include "features/extract_features.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "core/error.h"
+#include "correspondence/stereo_points.h"
+#include "tests/features/rendered_plane.h"
+#include "tests/support/synthetic_rover.h"
+#include "tests/support/temporary_folder.h"
+
+namespace rigmap {
+namespace {
+
+class ExtractFeaturesTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    const StereoShot shot = Photograph(plane_, rig_);
+    frame_.stamp_ns = 1234;
+    frame_.left_path = (folder_.Path() / "left.png").string();
+    frame_.right_path = (folder_.Path() / "right.png").string();
+    cv::imwrite(frame_.left_path, shot.left);
+    cv::imwrite(frame_.right_path, shot.right);
+    left_ = shot.left;
+  }
+
+  StereoRig rig_ = LocCamRig();
+  TexturedPlane plane_{13};
+  TemporaryFolder folder_;
+  StereoFrame frame_;
+  cv::Mat left_;
+};
+
+TEST_F(ExtractFeaturesTest, PointsLieOnThePlane) {
+  const FeatureSetup setup = MakeFeatureSetup(rig_, {}, {});
+  const FrameFeatures found = ExtractFeatures(frame_, setup);
+  EXPECT_EQ(found.stamp_ns, 1234);
+  EXPECT_GT(found.features.size(), 1000u);
+  EXPECT_EQ(found.descriptors.size(), found.features.size());
+  EXPECT_EQ(found.patches.size(), found.features.size());
+  EXPECT_EQ(found.usable_share, 1.0);
+  int partners = 0, on_plane = 0;
+  const auto points = TriangulateFeatures(found.features, rig_, 0.15);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (!points[i]) continue;
+    ++partners;
+    const Eigen::Vector3d truth = *plane_.Hit(rig_.left.camera, found.features[i].left);
+    on_plane += (points[i]->x_in_left - truth).norm() < 2.0 * points[i]->depth_sigma_m ? 1 : 0;
+  }
+  EXPECT_GT(partners, 700);
+  EXPECT_GT(on_plane, 0.98 * partners);
+  for (float error : found.epipolar_errors_px) EXPECT_LT(std::abs(error), 4.0F);
+}
+
+TEST_F(ExtractFeaturesTest, PatchesAreCutAroundTheRoundedPixel) {
+  const FrameFeatures found = ExtractFeatures(frame_, MakeFeatureSetup(rig_, {}, {}));
+  cv::Mat smooth;
+  cv::GaussianBlur(left_, smooth, cv::Size(5, 5), 0.8);
+  for (std::size_t i = 0; i < found.features.size(); ++i) {
+    const Eigen::Vector2d& at = found.features[i].left;
+    const int x0 = static_cast<int>(std::round(at.x())), y0 = static_cast<int>(std::round(at.y()));
+    for (const auto& [dx, dy] : {std::pair(0, 0), std::pair(-10, 3), std::pair(10, 10)}) {
+      const int x = std::clamp(x0 + dx, 0, smooth.cols - 1);
+      const int y = std::clamp(y0 + dy, 0, smooth.rows - 1);
+      ASSERT_EQ(found.patches[i][(kPatchRadius + dy) * kPatchSize + kPatchRadius + dx],
+                smooth.at<std::uint8_t>(y, x));
+    }
+  }
+}
+
+TEST_F(ExtractFeaturesTest, MasksOfTheRigAndOfTheImageAreHonoured) {
+  rig_.left.calibrated_region = PixelRegion{0, 0, 799, 639};
+  rig_.left.mask_path = (folder_.Path() / "mask.png").string();
+  cv::Mat mask(768, 1024, CV_8UC1, cv::Scalar(255));
+  mask.rowRange(500, 768).setTo(0);
+  cv::imwrite(rig_.left.mask_path, mask);
+  left_(cv::Rect(100, 100, 200, 200)).setTo(255);  // saturated
+  cv::imwrite(frame_.left_path, left_);
+  const FrameFeatures found = ExtractFeatures(frame_, MakeFeatureSetup(rig_, {}, {}));
+  EXPECT_GT(found.features.size(), 300u);
+  EXPECT_NEAR(found.usable_share, (800.0 * 500.0 - 206.0 * 206.0) / (1024.0 * 768.0), 0.002);
+  for (const Feature& feature : found.features) {
+    EXPECT_LT(feature.left.x(), 799.5);
+    EXPECT_LT(feature.left.y(), 499.5);
+    EXPECT_FALSE(cv::Rect(100, 100, 200, 200)
+                     .contains({cvRound(feature.left.x()), cvRound(feature.left.y())}));
+  }
+}
+
+TEST_F(ExtractFeaturesTest, BlackImagesGiveAnEmptyFrame) {
+  cv::imwrite(frame_.left_path, cv::Mat::zeros(768, 1024, CV_8UC1));
+  cv::imwrite(frame_.right_path, cv::Mat::zeros(768, 1024, CV_8UC1));
+  const FrameFeatures found = ExtractFeatures(frame_, MakeFeatureSetup(rig_, {}, {}));
+  EXPECT_EQ(found.stamp_ns, 1234);
+  EXPECT_TRUE(found.features.empty());
+  EXPECT_TRUE(found.epipolar_errors_px.empty());
+}
+
+TEST_F(ExtractFeaturesTest, MissingImagesAreNamed) {
+  frame_.right_path += ".gone";
+  try {
+    ExtractFeatures(frame_, MakeFeatureSetup(rig_, {}, {}));
+    FAIL() << "no error";
+  } catch (const DataError& error) {
+    EXPECT_NE(std::string(error.what()).find("right.png.gone"), std::string::npos);
+  }
+  rig_.left.mask_path = "/nowhere/mask.png";
+  EXPECT_THROW(MakeFeatureSetup(rig_, {}, {}), DataError);
+}
+
+}  // namespace
+}  // namespace rigmap

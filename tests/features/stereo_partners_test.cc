@@ -1,0 +1,214 @@
+#include "features/stereo_partners.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+
+#include "tests/features/rendered_plane.h"
+#include "tests/support/seeded_random.h"
+#include "tests/support/synthetic_rover.h"
+
+namespace rigmap {
+namespace {
+
+double Median(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  return values.at(values.size() / 2);
+}
+
+// The rig whose right camera is turned about its x axis, so that its rows move by `rows` px.
+StereoRig WithRowsOff(StereoRig rig, double rows) {
+  const double angle_rad = rows / rig.right.camera.fy;
+  rig.right_from_left =
+      Rigid3{ExpRotation({angle_rad, 0.0, 0.0}), Eigen::Vector3d::Zero()} * rig.right_from_left;
+  return rig;
+}
+
+cv::Mat Disturbed(const cv::Mat& image, double sigma, int seed) {
+  cv::Mat noise(image.size(), CV_16SC1), sum;
+  cv::RNG(static_cast<std::uint64_t>(seed)).fill(noise, cv::RNG::NORMAL, 0.0, sigma);
+  cv::add(image, noise, sum, cv::noArray(), CV_8U);
+  return sum;
+}
+
+class StereoPartnersTest : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    plane_ = new TexturedPlane(11);
+    shot_ = new StereoShot(Photograph(*plane_, LocCamRig()));
+  }
+  static void TearDownTestSuite() {
+    delete plane_;
+    delete shot_;
+  }
+
+  static StereoImages Images() {
+    StereoImages images;
+    images.left = Disturbed(shot_->left, 2.0, 1);
+    images.right = Disturbed(shot_->right, 2.0, 2);
+    cv::GaussianBlur(images.left, images.left, cv::Size(5, 5), 0.8);
+    cv::GaussianBlur(images.right, images.right, cv::Size(5, 5), 0.8);
+    images.right_mask = cv::Mat(images.right.size(), CV_8UC1, cv::Scalar(255));
+    return images;
+  }
+
+  std::vector<Eigen::Vector2d> SomePixels(int count) {
+    std::vector<Eigen::Vector2d> pixels;
+    for (int i = 0; i < count; ++i) {
+      pixels.emplace_back(random_.Uniform(0.0, 1023.0), random_.Uniform(0.0, 767.0));
+    }
+    return pixels;
+  }
+
+  Eigen::Vector2d Truth(const Eigen::Vector2d& left) const {
+    return *Project(rig_.right.camera, rig_.right_from_left * *plane_->Hit(rig_.left.camera, left));
+  }
+
+  StereoRig rig_ = LocCamRig();
+  SeededRandom random_;
+  inline static TexturedPlane* plane_ = nullptr;
+  inline static StereoShot* shot_ = nullptr;
+};
+
+TEST_F(StereoPartnersTest, AreRightToAFewHundredthsOfAPixel) {
+  const auto left = SomePixels(800);
+  // At half resolution (the default for this size) and at full.
+  for (const double limit_mpx : {0.6, 1.0}) {
+    FeatureOptions options;
+    options.half_resolution_above_mpx = limit_mpx;
+    const StereoPartners partners = FindStereoPartners(Images(), rig_, left, options);
+    ASSERT_EQ(partners.right.size(), left.size());
+    std::vector<double> disparity_errors_px, row_errors_px;
+    int possible = 0, wild = 0;
+    for (std::size_t i = 0; i < left.size(); ++i) {
+      const Eigen::Vector2d truth = Truth(left[i]);
+      possible += truth.x() > 20.0 && truth.y() > 20.0 && truth.y() < 748.0 ? 1 : 0;
+      if (!partners.right[i]) continue;
+      const Eigen::Vector2d error = *partners.right[i] - truth;
+      disparity_errors_px.push_back(std::abs(error.x()));
+      row_errors_px.push_back(std::abs(error.y()));
+      wild += error.norm() > 0.5 ? 1 : 0;
+    }
+    EXPECT_GT(disparity_errors_px.size(), 0.8 * possible);
+    EXPECT_LT(Median(disparity_errors_px), 0.05);
+    EXPECT_LT(Median(row_errors_px), 0.05);
+    EXPECT_LE(wild, static_cast<int>(disparity_errors_px.size() / 200));
+  }
+}
+
+TEST_F(StereoPartnersTest, AreOneToOne) {
+  auto left = SomePixels(300);
+  // Many claim the same place.
+  for (int i = 0; i < 100; ++i) left.push_back(left[i] + random_.Noise(0.05).head<2>());
+  const StereoPartners partners = FindStereoPartners(Images(), rig_, left, {});
+  std::vector<std::pair<int, int>> places;
+  for (const auto& right : partners.right) {
+    if (right) places.emplace_back(cvRound(right->x()), cvRound(right->y()));
+  }
+  EXPECT_GT(places.size(), 150u);
+  std::sort(places.begin(), places.end());
+  EXPECT_EQ(std::adjacent_find(places.begin(), places.end()), places.end());
+  EXPECT_GE(partners.epipolar_errors_px.size(), places.size());
+}
+
+TEST_F(StereoPartnersTest, AreFoundWhereRowsAreOff) {
+  const auto left = SomePixels(500);
+  FeatureOptions options;
+  options.half_resolution_above_mpx = 1.0;  // at full resolution the back search is the narrowest
+  const StereoPartners straight = FindStereoPartners(Images(), rig_, left, options);
+  const auto count = [](const StereoPartners& partners) {
+    return std::count_if(partners.right.begin(), partners.right.end(),
+                         [](const auto& right) { return right.has_value(); });
+  };
+  for (const double rows : {2.0, -2.0, 3.0}) {
+    // The calibration is off, not the images.
+    const StereoRig wrong = WithRowsOff(rig_, rows);
+    const StereoPartners found = FindStereoPartners(Images(), wrong, left, options);
+    EXPECT_GT(count(found), 0.85 * count(straight)) << rows;
+    std::vector<double> errors_px, offs_px;
+    for (float error : found.epipolar_errors_px) errors_px.push_back(error);
+    EXPECT_NEAR(std::abs(Median(errors_px)), std::abs(rows), 0.2) << rows;
+    for (std::size_t i = 0; i < left.size(); ++i) {
+      if (!found.right[i]) continue;
+      const auto error = EpipolarErrorPx(wrong, left[i], *found.right[i]);
+      ASSERT_TRUE(error);
+      // A turn moves rows near the upper and lower border by up to a third more.
+      EXPECT_NEAR(std::abs(*error), std::abs(rows), 0.35 * std::abs(rows));
+      offs_px.push_back((*found.right[i] - Truth(left[i])).norm());
+    }
+    EXPECT_LT(Median(offs_px), 0.1) << rows;
+  }
+}
+
+TEST_F(StereoPartnersTest, RightMaskIsHonoured) {
+  StereoImages images = Images();
+  images.right_mask.colRange(400, 700).setTo(0);
+  const StereoPartners partners = FindStereoPartners(images, rig_, SomePixels(300), {});
+  int found = 0;
+  for (const auto& right : partners.right) {
+    if (!right) continue;
+    ++found;
+    EXPECT_FALSE(right->x() > 399.5 && right->x() < 699.5) << right->transpose();
+  }
+  EXPECT_GT(found, 80);
+}
+
+TEST_F(StereoPartnersTest, NoneOnFlatGrey) {
+  StereoImages flat = Images();
+  flat.left.setTo(120);
+  flat.right.setTo(120);
+  const auto left = SomePixels(200);
+  const StereoPartners nothing = FindStereoPartners(flat, rig_, left, {});
+  ASSERT_EQ(nothing.right.size(), left.size());
+  for (const auto& right : nothing.right) EXPECT_FALSE(right);
+  EXPECT_TRUE(nothing.epipolar_errors_px.empty());
+  // Nor where only noise is left of them.
+  flat.left = Disturbed(flat.left, 3.0, 3);
+  flat.right = Disturbed(flat.right, 3.0, 4);
+  for (const auto& right : FindStereoPartners(flat, rig_, left, {}).right) EXPECT_FALSE(right);
+}
+
+TEST_F(StereoPartnersTest, NoneWhereTheTextureRepeats) {
+  StereoImages images = Images();
+  for (cv::Mat* image : {&images.left, &images.right}) {
+    for (int y = 0; y < image->rows; ++y) {
+      for (int x = 0; x < image->cols; ++x) {
+        image->at<std::uint8_t>(y, x) = cv::saturate_cast<std::uint8_t>(
+            120.0 + 40.0 * std::sin(x * 0.4) + 40.0 * std::sin(y * 0.3));
+      }
+    }
+  }
+  const StereoPartners partners = FindStereoPartners(images, rig_, SomePixels(200), {});
+  const auto found = std::count_if(partners.right.begin(), partners.right.end(),
+                                   [](const auto& right) { return right.has_value(); });
+  EXPECT_LE(found, 4);
+}
+
+TEST_F(StereoPartnersTest, SameImagesSamePartners) {
+  const auto left = SomePixels(100);
+  const StereoPartners first = FindStereoPartners(Images(), rig_, left, {});
+  const StereoPartners second = FindStereoPartners(Images(), rig_, left, {});
+  EXPECT_EQ(first.right, second.right);
+  EXPECT_EQ(first.epipolar_errors_px, second.epipolar_errors_px);
+}
+
+TEST(EpipolarErrorPx, IsZeroForTruePairsAndTheRowsForShiftedOnes) {
+  SeededRandom random;
+  const StereoRig rig = LocCamRig();
+  for (int i = 0; i < 100; ++i) {
+    const double z_m = random.Uniform(1.0, 10.0);
+    const Eigen::Vector3d x(z_m * random.Uniform(-0.4, 0.4), z_m * random.Uniform(-0.3, 0.3), z_m);
+    const Eigen::Vector2d left = *Project(rig.left.camera, x);
+    const Eigen::Vector2d right = *Project(rig.right.camera, rig.right_from_left * x);
+    EXPECT_NEAR(*EpipolarErrorPx(rig, left, right), 0.0, 1e-6);
+    const double off_px = random.Uniform(-2.0, 2.0);
+    // The distortion shrinks the rim by some percent.
+    EXPECT_NEAR(*EpipolarErrorPx(rig, left, right + Eigen::Vector2d(0.0, off_px)), off_px,
+                0.25 * std::abs(off_px));
+  }
+}
+
+}  // namespace
+}  // namespace rigmap

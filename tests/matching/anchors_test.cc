@@ -1,0 +1,154 @@
+#include "matching/anchors.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "tests/support/synthetic_rover.h"
+
+namespace rigmap {
+namespace {
+
+constexpr double kNoise_px = 0.25;
+
+class AnchorsTest : public testing::Test {
+ protected:
+  Eigen::Vector2d TruePixel(int frame, int feature) const {
+    const Eigen::Vector3d& x = rover_.points[rover_.point_of_feature[frame][feature]];
+    return *Project(rover_.rig.left.camera, rover_.world_from_left[frame].Inverse() * x);
+  }
+  double Depth(int frame, int feature) const {
+    const Eigen::Vector3d& x = rover_.points[rover_.point_of_feature[frame][feature]];
+    return (rover_.world_from_left[frame].Inverse() * x).z();
+  }
+  double Growth(int frame_a, int a, int frame_b, int b) const {
+    return Depth(frame_a, a) / Depth(frame_b, b);
+  }
+  // How far the refined place in b is from the spot of ground that a's feature as found shows.
+  double Mismatch_px(int frame_a, int a, int frame_b, int b, const AnchoredFrame& later) const {
+    const Eigen::Vector2d off_a = rover_.frames[frame_a].features[a].left - TruePixel(frame_a, a);
+    const Eigen::Vector2d off_b = later.refined[b].left - TruePixel(frame_b, b);
+    return (off_b - Growth(frame_a, a, frame_b, b) * off_a).norm();
+  }
+
+  SyntheticRover rover_ = MakeSyntheticRover({.frames = 3,
+                                              .step_m = 0.25,
+                                              .points_per_m2 = 12.0,
+                                              .pixel_sigma = kNoise_px,
+                                              .textured_patches = true});
+  MatchingOptions options_;
+};
+
+double Median(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  return values.at(values.size() / 2);
+}
+
+TEST_F(AnchorsTest, EveryFeatureStartsAsItsOwnAnchor) {
+  const AnchoredFrame frame = MakeAnchored(rover_.frames[0]);
+  ASSERT_EQ(frame.anchors.size(), frame.found.features.size());
+  for (std::size_t i = 0; i < frame.anchors.size(); ++i) {
+    EXPECT_FALSE(frame.aligned[i]);
+    EXPECT_EQ(frame.anchors[i].patch, frame.found.patches[i]);
+    EXPECT_EQ(frame.refined[i].left, frame.found.features[i].left);
+    EXPECT_LE(frame.anchors[i].offset.cwiseAbs().maxCoeff(), 0.5);
+  }
+}
+
+TEST_F(AnchorsTest, AlignedFeaturesMeanTheSameSpot) {
+  const AnchoredFrame earlier = MakeAnchored(rover_.frames[0]);
+  AnchoredFrame later = MakeAnchored(rover_.frames[1]);
+  std::vector<double> before_px, after_px;
+  int tried = 0;
+  for (const auto& [a, b] : TrueMatches(rover_, 0, 1)) {
+    ++tried;
+    const Feature found = later.refined[b];
+    const double before = Mismatch_px(0, a, 1, b, later);
+    if (!AlignWithAnchor(earlier, a, later, b, Growth(0, a, 1, b), options_)) continue;
+    EXPECT_TRUE(later.aligned[b]);
+    before_px.push_back(before);
+    after_px.push_back(Mismatch_px(0, a, 1, b, later));
+    // The partner went along.
+    ASSERT_EQ(later.refined[b].right.has_value(), found.right.has_value());
+    if (!found.right) continue;
+    const Eigen::Vector2d moved = later.refined[b].left - found.left;
+    EXPECT_LT((*later.refined[b].right - *found.right - moved).norm(), 1e-9);
+  }
+  EXPECT_GT(after_px.size(), 0.85 * tried);
+  EXPECT_GT(Median(before_px), 0.3);
+  EXPECT_LT(Median(after_px), 0.03);
+}
+
+TEST_F(AnchorsTest, AnchorsAreHandedOn) {
+  const AnchoredFrame first = MakeAnchored(rover_.frames[0]);
+  AnchoredFrame second = MakeAnchored(rover_.frames[1]), third = MakeAnchored(rover_.frames[2]);
+  std::vector<int> first_of_second(second.refined.size(), -1);
+  for (const auto& [a, b] : TrueMatches(rover_, 0, 1)) {
+    if (AlignWithAnchor(first, a, second, b, Growth(0, a, 1, b), options_)) first_of_second[b] = a;
+  }
+  std::vector<double> mismatches_px;
+  for (const auto& [b, c] : TrueMatches(rover_, 1, 2)) {
+    const int a = first_of_second[b];
+    if (a < 0 || !AlignWithAnchor(second, b, third, c, Growth(1, b, 2, c), options_)) continue;
+    mismatches_px.push_back(Mismatch_px(0, a, 2, c, third));
+    EXPECT_EQ(third.anchors[c].patch, first.found.patches[a]);
+  }
+  EXPECT_GT(mismatches_px.size(), 60u);
+  EXPECT_LT(Median(mismatches_px), 0.03);
+}
+
+TEST_F(AnchorsTest, PatchesThatDisagreeChangeNothing) {
+  const AnchoredFrame earlier = MakeAnchored(rover_.frames[0]);
+  AnchoredFrame later = MakeAnchored(rover_.frames[1]);
+  int tried = 0, accepted = 0;
+  for (std::size_t i = 0; i < 200; ++i) {
+    const int a = static_cast<int>(i % earlier.refined.size());
+    const int b = static_cast<int>((7 * i + 3) % later.refined.size());
+    if (rover_.point_of_feature[0][a] == rover_.point_of_feature[1][b] || later.aligned[b])
+      continue;
+    ++tried;
+    if (AlignWithAnchor(earlier, a, later, b, 1.0, options_)) {
+      ++accepted;
+      continue;
+    }
+    EXPECT_EQ(later.refined[b].left, later.found.features[b].left);
+    EXPECT_EQ(later.refined[b].right, later.found.features[b].right);
+    EXPECT_EQ(later.anchors[b].patch, later.found.patches[b]);
+    EXPECT_FALSE(later.aligned[b]);
+  }
+  EXPECT_GT(tried, 100);
+  EXPECT_LE(accepted, tried / 50);
+}
+
+TEST_F(AnchorsTest, AViewThatShrankByHalfAnchorsAnew) {
+  // The same points from 2 m behind: the far ones keep their size, the near ones do not.
+  rover_ = MakeSyntheticRover({.points_per_m2 = 12.0, .textured_patches = true},
+                              {RoverPose(2.0, 0.0, 0.0), RoverPose(0.0, 0.0, 0.0)});
+  const AnchoredFrame earlier = MakeAnchored(rover_.frames[0]);
+  AnchoredFrame later = MakeAnchored(rover_.frames[1]);
+  int renewed = 0, handed_on = 0;
+  for (const auto& [a, b] : TrueMatches(rover_, 0, 1)) {
+    const double growth = Growth(0, a, 1, b);
+    if (!AlignWithAnchor(earlier, a, later, b, growth, options_)) continue;
+    const bool anew = later.anchors[b].patch == later.found.patches[b];
+    if (growth < 0.6) {
+      EXPECT_TRUE(anew) << growth;
+    }
+    if (growth > 0.73) {
+      EXPECT_FALSE(anew) << growth;
+    }
+    ++(anew ? renewed : handed_on);
+    if (!anew) continue;
+    // The new anchor stands for the refined place.
+    const Eigen::Vector2d& found = later.found.features[b].left;
+    const Eigen::Vector2d centre(std::round(found.x()), std::round(found.y()));
+    EXPECT_LT((centre + later.anchors[b].offset - later.refined[b].left).norm(), 1e-9);
+    EXPECT_EQ(later.anchors[b].frame_from_patch, Eigen::Matrix2d::Identity());
+  }
+  EXPECT_GT(renewed, 3);
+  EXPECT_GT(handed_on, 3);
+}
+
+}  // namespace
+}  // namespace rigmap

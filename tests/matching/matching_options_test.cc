@@ -1,0 +1,29 @@
+#include "matching/matching_options.h"
+
+#include <gtest/gtest.h>
+
+#include "core/error.h"
+
+namespace rigmap {
+namespace {
+
+TEST(MatchingOptions, DefaultsAreValidAndReadBack) {
+  MatchingOptions options;
+  EXPECT_NO_THROW(options.Validate());
+  SetOption("matching", "neighbours", "7", options.Fields());
+  SetOption("matching", "min_overlap", "0.5", options.Fields());
+  EXPECT_EQ(options.neighbours, 7);
+  EXPECT_EQ(options.min_overlap, 0.5);
+}
+
+TEST(MatchingOptions, EveryFieldIsChecked) {
+  MatchingOptions defaults;
+  for (const OptionField& field : defaults.Fields()) {
+    MatchingOptions options;
+    SetOption("matching", field.name, "-1", options.Fields());
+    EXPECT_THROW(options.Validate(), UsageError) << field.name;
+  }
+}
+
+}  // namespace
+}  // namespace rigmap
