@@ -8,16 +8,18 @@
 #include "core/file.h"
 #include "evaluation/trajectory_metrics.h"
 #include "export/tum.h"
+#include "workflows/part_options.h"
 
 namespace rigmap {
 namespace {
 
 nlohmann::ordered_json Metrics(const EvaluateRequest& request) {
   if (request.truth) {
-    const auto truth = std::filesystem::is_directory(*request.truth)
-                           ? *request.truth / "trajectory.tum"
-                           : *request.truth;
-    return ToJson(CompareTrajectories(ReadTum(request.out / "trajectory.tum"), ReadTum(truth)));
+    const auto config = request.out / "config.yaml";
+    const PartOptions options =
+        std::filesystem::exists(config) ? LoadPartOptions(config, {}) : PartOptions();
+    return ToJson(CompareTrajectories(ReadTum(request.out / "trajectory.tum"),
+                                      ReadTum(TruthFile(*request.truth)), options.evaluation));
   }
   const auto path = request.out / "evaluation.json";
   if (!std::filesystem::exists(path)) {
@@ -33,6 +35,10 @@ nlohmann::ordered_json Metrics(const EvaluateRequest& request) {
 }
 
 }  // namespace
+
+std::filesystem::path TruthFile(const std::filesystem::path& truth) {
+  return std::filesystem::is_directory(truth) ? truth / "trajectory.tum" : truth;
+}
 
 std::string EvaluatePart(const EvaluateRequest& request) {
   const auto metrics = Metrics(request);

@@ -13,7 +13,11 @@ struct EvaluateRequest {
   bool json = false;
 };
 
-// One line of JSON, or a table for people. Throws DataError where there is nothing to compare.
+// The TUM file that a --truth names: itself, or trajectory.tum in a folder.
+std::filesystem::path TruthFile(const std::filesystem::path& truth);
+
+// With a truth, compares as the run's own config.yaml says, if it is there. One line of JSON, or a
+// table for people. Throws DataError where there is nothing to compare.
 std::string EvaluatePart(const EvaluateRequest& request);
 
 }  // namespace rigmap

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <numbers>
 
 namespace rigmap {
@@ -11,11 +12,12 @@ namespace {
 
 constexpr double kDegrees = 180.0 / std::numbers::pi;
 
-template <class Value>
-Value Percentile(std::vector<Value> values, double share) {
+// The value that this share of the others comes before, in the order of `key`.
+template <class Value, class Key = std::identity>
+Value Percentile(std::vector<Value> values, double share, const Key& key = {}) {
   const auto index = static_cast<std::ptrdiff_t>(
       std::min(share * static_cast<double>(values.size()), static_cast<double>(values.size() - 1)));
-  std::nth_element(values.begin(), values.begin() + index, values.end());
+  std::ranges::nth_element(values, values.begin() + index, {}, key);
   return values[static_cast<std::size_t>(index)];
 }
 
@@ -81,18 +83,20 @@ std::vector<StepDifference> StepDifferences(const GateInputs& inputs) {
   return differences;
 }
 
+// A step is as far off as the smaller of its two shares of the limits; the gates show the step
+// that nine out of ten are better than.
 void JudgeMotion(const GateInputs& inputs, const GateOptions& options, Gates& gates) {
+  constexpr double kShare = 0.9;
   std::optional<double> sigmas, pct;
-  const auto differences = StepDifferences(inputs);
+  auto differences = StepDifferences(inputs);
   if (!differences.empty()) {
-    std::vector<double> all_sigmas, all_pct;
-    for (const StepDifference& difference : differences) {
-      all_sigmas.push_back(difference.sigmas);
-      all_pct.push_back(difference.pct);
-    }
-    constexpr double kShare = 0.9;
-    sigmas = Percentile(all_sigmas, kShare);
-    pct = Percentile(all_pct, kShare);
+    const auto excess = [&](const StepDifference& step) {
+      return std::min(step.sigmas / options.motion_agreement_sigmas,
+                      step.pct / options.motion_agreement_pct);
+    };
+    const StepDifference typical = Percentile(std::move(differences), kShare, excess);
+    sigmas = typical.sigmas;
+    pct = typical.pct;
   }
   AddEither(AtMost("motion_agreement_sigmas", sigmas, options.motion_agreement_sigmas,
                    "mapped against odometric steps, 90th percentile, in sigmas"),

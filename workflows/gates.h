@@ -20,9 +20,9 @@ struct GateOptions {
   double baseline_rejected = 0.2;
   // Share of keyframes that must be posed by the mapper.
   double registered = 0.9;
-  // Mapped against odometric steps: the 90th percentile of their difference in sigmas of the
-  // odometry (whose sigmas know nothing of the motion of whole image regions, hence not 3), and in
-  // per cent of the step; a step fails only if it is beyond both.
+  // Mapped against odometric steps: their difference in sigmas of the odometry (whose sigmas know
+  // nothing of the motion of whole image regions, hence not 3), and in per cent of the step. A step
+  // fails only if it is beyond both; the gate, if a tenth of the steps fails.
   double motion_agreement_sigmas = 10.0;
   double motion_agreement_pct = 5.0;
   // Median; a healthy part has 0.1 px where images are sharp, and 0.5 px where they are poor.

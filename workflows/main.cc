@@ -4,8 +4,11 @@
 #include <spdlog/spdlog.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
+#include <charconv>
 #include <cstdio>
 #include <filesystem>
+#include <optional>
 #include <thread>
 
 #include "core/error.h"
@@ -29,7 +32,7 @@ void LogToStderr(bool quiet) {
   spdlog::set_default_logger(std::move(logger));
 }
 
-// config/ beside the program: in its source tree or installed under share/rigmap.
+// config/ above the program: in the source or build tree, or installed under share/rigmap.
 fs::path ConfigFile(const char* name) {
   const fs::path program = fs::read_symlink("/proc/self/exe");
   for (fs::path folder = program.parent_path(); folder.has_relative_path();
@@ -42,17 +45,22 @@ fs::path ConfigFile(const char* name) {
 }
 
 std::pair<int, int> ParseFrames(const std::string& text) {
-  int first = 0, end = 0;
-  char rest = 0;
-  if (std::sscanf(text.c_str(), "%d:%d%c", &first, &end, &rest) != 2 || first < 0 || end <= first) {
-    throw UsageError(fmt::format("--frames: expected FIRST:END, found '{}'", text));
+  int first = -1, end = -1;
+  const char* stop = text.data() + text.size();
+  const auto colon = std::from_chars(text.data(), stop, first);
+  const bool has_colon = colon.ec == std::errc() && colon.ptr != stop && *colon.ptr == ':';
+  const auto rest = has_colon ? std::from_chars(colon.ptr + 1, stop, end) : colon;
+  if (!has_colon || rest.ec != std::errc() || rest.ptr != stop || first < 0 || end <= first) {
+    throw UsageError(
+        fmt::format("--frames: expected FIRST:END with 0 <= FIRST < END, found '{}'", text));
   }
   return {first, end};
 }
 
 struct PartArguments {
   std::string dataset, out, rig, config, frames, format, until, from, truth;
-  int traverse = -1, part = -1, threads = 0, memory_mb = 2048;
+  std::optional<int> traverse, part, threads;
+  int memory_mb = 2048;
   std::vector<std::string> assignments;
   bool force = false, quiet = false;
 };
@@ -92,10 +100,13 @@ std::optional<Value> IfGiven(const std::string& text) {
 PartRequest MakeRequest(const PartArguments& a, std::string command) {
   RequireStage("--until", a.until);
   RequireStage("--from", a.from);
+  if (!a.until.empty() && !a.from.empty() && ComesBefore(a.until, a.from)) {
+    throw UsageError(fmt::format("--from {}: comes after --until {}", a.from, a.until));
+  }
   PartRequest request;
   request.dataset.folder = a.dataset;
-  if (a.traverse >= 0) request.dataset.traverse = a.traverse;
-  if (a.part >= 0) request.dataset.part = a.part;
+  request.dataset.traverse = a.traverse;
+  request.dataset.part = a.part;
   request.dataset.rig = IfGiven<fs::path>(a.rig);
   request.dataset.format = IfGiven<std::string>(a.format);
   if (!a.frames.empty()) request.dataset.frames = ParseFrames(a.frames);
@@ -105,13 +116,14 @@ PartRequest MakeRequest(const PartArguments& a, std::string command) {
   request.until = IfGiven<std::string>(a.until);
   request.from = IfGiven<std::string>(a.from);
   request.force = a.force;
-  if (a.threads < 0)
-    throw UsageError(fmt::format("--threads: expected 1 or more, found {}", a.threads));
-  request.threads = a.threads > 0
-                        ? a.threads
-                        : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
-  if (a.memory_mb < 256)
+  const int cores = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  request.threads = a.threads.value_or(cores);
+  if (request.threads < 1) {
+    throw UsageError(fmt::format("--threads: expected 1 or more, found {}", request.threads));
+  }
+  if (a.memory_mb < 256) {
     throw UsageError(fmt::format("--memory: expected at least 256, found {}", a.memory_mb));
+  }
   request.memory_mb = a.memory_mb;
   request.truth = IfGiven<fs::path>(a.truth);
   if (request.truth && !fs::exists(*request.truth)) {
@@ -147,7 +159,8 @@ int Main(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : kExitUsage;
+    if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
+    throw UsageError(fmt::format("{} (--help lists what there is)", error.what()));
   }
   std::string command;
   for (int i = 0; i < argc; ++i) command += fmt::format("{}{}", i ? " " : "", argv[i]);

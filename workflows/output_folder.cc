@@ -17,11 +17,15 @@ namespace {
 
 namespace fs = std::filesystem;
 constexpr const char* kLockName = ".lock";
-constexpr const char* kIdentityName = "stages/dataset.txt";
+// In the root itself, so that a run that is killed while it claims an empty folder leaves nothing
+// in it but what IsEmpty knows.
+constexpr const char* kIdentityName = ".dataset";
 
 bool IsEmpty(const fs::path& root) {
-  return std::all_of(fs::directory_iterator(root), fs::directory_iterator(),
-                     [](const fs::directory_entry& e) { return e.path().filename() == kLockName; });
+  return std::all_of(fs::directory_iterator(root), fs::directory_iterator(), [](const auto& entry) {
+    const auto name = entry.path().filename();
+    return name == kLockName || (name.stem() == kIdentityName && IsTemporaryName(name));
+  });
 }
 
 void Empty(const fs::path& root) {
@@ -30,7 +34,30 @@ void Empty(const fs::path& root) {
   }
 }
 
+bool LiesIn(const fs::path& file, const fs::path& folder) {
+  std::error_code ignored;
+  const fs::path whole = fs::weakly_canonical(file, ignored);
+  const fs::path above = fs::weakly_canonical(folder, ignored);
+  return std::mismatch(above.begin(), above.end(), whole.begin(), whole.end()).first == above.end();
+}
+
 }  // namespace
+
+std::vector<fs::path> OutputLayout::PublishedBy(const std::string& stage) const {
+  if (stage == "database") return {Database(), Images()};
+  if (stage == "mapping") return {Models()};
+  if (stage == "adjustment") {
+    return {root / "trajectory.tum",
+            root / "trajectory.csv",
+            root / "trajectory_midpoint.tum",
+            root / "trajectory_antenna.tum",
+            Sparse(),
+            root / "sparse.ply"};
+  }
+  if (stage == "fusion") return {root / "dense.ply"};
+  if (stage == "evaluation") return {root / "evaluation.json"};
+  return {};
+}
 
 OutputLock::OutputLock(const fs::path& root) {
   std::error_code code;
@@ -49,26 +76,49 @@ OutputLock::OutputLock(const fs::path& root) {
 
 OutputLock::~OutputLock() { close(descriptor_); }
 
-void ClaimOutput(const OutputLayout& layout, const std::string& identity, bool force) {
+void RequireOwnOutput(const OutputLayout& layout, const std::string& identity, bool force) {
+  std::error_code ignored;
+  if (!fs::exists(layout.root, ignored)) return;
+  if (!fs::is_directory(layout.root, ignored)) {
+    throw DataError(
+        fmt::format("{}: expected an output folder, found a file", layout.root.string()));
+  }
+  if (force || IsEmpty(layout.root)) return;
   const fs::path mark = layout.root / kIdentityName;
-  if (force) {
-    Empty(layout.root);
-  } else if (!IsEmpty(layout.root)) {
-    if (!fs::exists(mark)) {
-      throw DataError(fmt::format(
-          "{}: the output folder is not empty and holds no results of rigmap; choose another, or "
-          "--force to empty it",
-          layout.root.string()));
-    }
-    const std::string found = ReadTextFile(mark);
-    if (found != identity + "\n") {
-      throw DataError(
-          fmt::format("{}: expected results of {}, found those of {}; choose another folder, or "
-                      "--force to start anew",
-                      layout.root.string(), identity, found.substr(0, found.find('\n'))));
+  if (!fs::exists(mark)) {
+    throw DataError(fmt::format(
+        "{}: the output folder is not empty and holds no results of rigmap; choose another, or "
+        "--force to empty it",
+        layout.root.string()));
+  }
+  const std::string found = ReadTextFile(mark);
+  if (found != identity + "\n") {
+    throw DataError(
+        fmt::format("{}: expected results of {}, found those of {}; choose another folder, or "
+                    "--force to start anew",
+                    layout.root.string(), identity, found.substr(0, found.find('\n'))));
+  }
+}
+
+void RequireInputElsewhere(const OutputLayout& layout, const Dataset& dataset) {
+  std::vector<std::string> files{dataset.rig.source, dataset.truth_path, dataset.rig.left.mask_path,
+                                 dataset.rig.right.mask_path};
+  for (const StereoFrame& frame : dataset.frames) {
+    files.insert(files.end(), {frame.left_path, frame.right_path});
+  }
+  for (const std::string& file : files) {
+    if (!file.empty() && LiesIn(file, layout.root)) {
+      throw DataError(fmt::format("{}: the output folder holds the input {}; choose another",
+                                  layout.root.string(), file));
     }
   }
-  WriteFileAtomically(mark, [&](std::ostream& stream) { stream << identity << '\n'; });
+}
+
+void ClaimOutput(const OutputLayout& layout, const std::string& identity, bool force) {
+  RequireOwnOutput(layout, identity, force);
+  if (force) Empty(layout.root);
+  WriteFileAtomically(layout.root / kIdentityName,
+                      [&](std::ostream& stream) { stream << identity << '\n'; });
 }
 
 }  // namespace rigmap

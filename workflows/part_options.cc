@@ -24,7 +24,12 @@ std::string Names(const Sections& sections) {
 }
 
 void ReadConfig(const std::filesystem::path& path, const Sections& sections) {
-  for (const YamlNode file = ReadYaml(path); const auto& [name, section] : file.entries) {
+  const YamlNode file = ReadYaml(path);
+  if (file.kind != YamlNode::Kind::kMap && file.kind != YamlNode::Kind::kNull) {
+    throw DataError(
+        fmt::format("{}: expected sections with options, found something else", file.where));
+  }
+  for (const auto& [name, section] : file.entries) {
     const OptionFields* fields = FindSection(sections, name);
     if (!fields) {
       throw DataError(fmt::format("{}: unknown section '{}', expected one of {}", section.where,

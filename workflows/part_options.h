@@ -44,6 +44,12 @@ struct PartOptions {
 PartOptions LoadPartOptions(const std::optional<std::filesystem::path>& config,
                             const std::vector<std::string>& assignments);
 
+// The options of one section as text that changes whenever one of them does.
+template <class Options>
+std::string OptionsText(Options options) {
+  return WriteOptions(options.Fields());
+}
+
 // YAML that LoadPartOptions reads back to the same options.
 std::string WritePartOptions(PartOptions options);
 

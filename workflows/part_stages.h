@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "adjustment/adjust.h"
+#include "colmap/installation.h"
 #include "mapping/map_keyframes.h"
 #include "scale/baseline_scale.h"
 #include "scene/correspondences.h"
@@ -18,10 +19,12 @@
 
 namespace rigmap {
 
+// Fewer keyframes than this are not mapped: the odometric poses are all there is.
+inline constexpr std::size_t kMinMappedKeyframes = 3;
+
 // Where each frame's features are kept, and what is known of all of them.
 struct FeatureIndex {
   std::vector<std::string> keys;   // of each frame's own artefact
-  std::vector<int> counts;         // features per frame
   std::vector<float> epipolar_px;  // median absolute error per frame that has any
 
   template <class Archive>
@@ -55,12 +58,13 @@ struct DepthIndex {
 
 class PartStages {
  public:
-  // All three must outlive this.
-  PartStages(const PartRequest& request, StageRunner& run, PartSummary& summary)
-      : request_(request), run_(run), summary_(summary) {}
+  // All but `colmap`, which may be empty if the stages that need it are not run, must outlive this.
+  PartStages(const PartRequest& request, ColmapInstallation colmap, StageRunner& run,
+             PartSummary& summary)
+      : request_(request), colmap_(std::move(colmap)), run_(run), summary_(summary) {}
 
-  // Stamps, paths, rig; counts what had to be passed over.
-  Dataset OpenData(const Dataset& opened) const;
+  // Takes up the input: all stages after this one are done anew when it changes.
+  void TakeUp(const Dataset& dataset) const;
   // Each frame's features in a file of its own.
   FeatureIndex Extract(const Dataset& dataset) const;
   Odometry Track(const Dataset& dataset, const FeatureIndex& features) const;
@@ -90,6 +94,7 @@ class PartStages {
                            const std::string& options) const;
 
   const PartRequest& request_;
+  ColmapInstallation colmap_;
   StageRunner& run_;
   PartSummary& summary_;
 };

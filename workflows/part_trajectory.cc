@@ -11,23 +11,43 @@ struct Uncertain {
   Matrix6d covariance = Matrix6d::Zero();
 };
 
+// What the covariance at one place (about gauge axes) is worth at another that is fixed to it:
+// turning the start moves the end by the lever arm between them.
+Matrix6d Carry(const Uncertain& from, const Rigid3& gauge_from_left) {
+  Matrix6d carry = Matrix6d::Identity();
+  carry.topRightCorner<3, 3>() =
+      -Skew(gauge_from_left.translation - from.gauge_from_left.translation);
+  return carry * from.covariance * carry.transpose();
+}
+
 // Covariance of the end of a step, from that of its start (about gauge axes) and the step's own
 // (left perturbation of left_from_reference, current axes).
 Matrix6d Chain(const Uncertain& reference, const Rigid3& gauge_from_left,
                const Matrix6d& step_covariance) {
-  // Turning the start moves the end by the lever arm between them.
-  Matrix6d carry = Matrix6d::Identity();
-  carry.topRightCorner<3, 3>() =
-      -Skew(gauge_from_left.translation - reference.gauge_from_left.translation);
   Matrix6d turn = Matrix6d::Zero();
   turn.topLeftCorner<3, 3>() = turn.bottomRightCorner<3, 3>() =
       gauge_from_left.rotation.toRotationMatrix();
-  return carry * reference.covariance * carry.transpose() +
-         turn * step_covariance * turn.transpose();
+  return Carry(reference, gauge_from_left) + turn * step_covariance * turn.transpose();
 }
 
 Rigid3 OdometricStep(const Odometry& odometry, int from, int to) {
   return odometry[from].world_from_left.Inverse() * odometry[to].world_from_left;
+}
+
+// Of frame i, from the adjustment or from the frames before it.
+Uncertain PoseOf(int i, const Odometry& odometry, const Adjustment& adjustment,
+                 const std::vector<Uncertain>& before) {
+  const OdometryFrame& frame = odometry[i];
+  const auto& adjusted = adjustment.world_from_left[i];
+  if (adjusted && adjustment.anchors[i] != i) {
+    // Known relative to its anchor, whose own uncertainty it shares.
+    return {*adjusted, Carry(before[adjustment.anchors[i]], *adjusted) + adjustment.covariances[i]};
+  }
+  if (frame.reference == i) return {adjusted.value_or(frame.world_from_left)};
+  const Uncertain& reference = before[frame.reference];
+  const Rigid3 pose =
+      adjusted.value_or(reference.gauge_from_left * OdometricStep(odometry, frame.reference, i));
+  return {pose, Chain(reference, pose, frame.step_covariance)};
 }
 
 double Seconds(StampNs from, StampNs to) { return 1e-9 * static_cast<double>(to - from); }
@@ -100,20 +120,7 @@ Trajectory AssembleTrajectory(const Odometry& odometry, const Adjustment& adjust
                               const Rigid3& world_from_gauge) {
   const int count = static_cast<int>(odometry.size());
   std::vector<Uncertain> poses;
-  for (int i = 0; i < count; ++i) {
-    const OdometryFrame& frame = odometry[i];
-    if (const auto& adjusted = adjustment.world_from_left[i]) {
-      poses.push_back({*adjusted, adjustment.covariances[i]});
-      continue;
-    }
-    if (frame.reference == i) {
-      poses.push_back({frame.world_from_left});
-      continue;
-    }
-    const Uncertain& reference = poses[frame.reference];
-    const Rigid3 pose = reference.gauge_from_left * OdometricStep(odometry, frame.reference, i);
-    poses.push_back({pose, Chain(reference, pose, frame.step_covariance)});
-  }
+  for (int i = 0; i < count; ++i) poses.push_back(PoseOf(i, odometry, adjustment, poses));
   for (int first = 1; first < count; ++first) {
     if (odometry[first].source != PoseSource::kPredicted || adjustment.world_from_left[first]) {
       continue;

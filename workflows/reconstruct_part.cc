@@ -1,10 +1,14 @@
 #include "workflows/reconstruct_part.h"
 
+#include <spdlog/spdlog.h>
 #include <tbb/global_control.h>
 
 #include <filesystem>
 #include <opencv2/core.hpp>
 
+#include "dataset/open_dataset.h"
+#include "export/tum.h"
+#include "workflows/evaluate_part.h"
 #include "workflows/part_stages.h"
 #include "workflows/part_summary.h"
 
@@ -18,9 +22,9 @@ std::string DatasetIdentity(const Dataset& dataset) {
 
 // The whole method. Each stage turns what is before it into one product, keeps it, skips the work
 // if an earlier run did it, and publishes what users read (part_stages.h says what).
-void Reconstruct(const Dataset& opened, const PartStages& stage) {
+void Reconstruct(const Dataset& dataset, const PartStages& stage) {
   // frames with stamps -> keypoints with stereo partners -> metric motion from frame to keyframe
-  const Dataset dataset = stage.OpenData(opened);
+  stage.TakeUp(dataset);
   const FeatureIndex features = stage.Extract(dataset);
   const Odometry odometry = stage.Track(dataset, features);
 
@@ -39,25 +43,54 @@ void Reconstruct(const Dataset& opened, const PartStages& stage) {
   stage.Evaluate(dataset, part);
 }
 
+// The dataset with the truth that it is to be compared with: a TUM file that can be read. Known to
+// be wrong now, not when all work is done.
+Dataset OpenWithTruth(const PartRequest& request) {
+  Dataset dataset = OpenDataset(request.dataset);
+  if (request.truth) {
+    dataset.truth_path = std::filesystem::absolute(TruthFile(*request.truth)).string();
+  }
+  if (!dataset.truth_path.empty()) ReadTum(dataset.truth_path);
+  return dataset;
+}
+
+ColmapInstallation FindColmapIfNeeded(const PartRequest& request, PartSummary& summary) {
+  if (request.until && ComesBefore(*request.until, "database")) return {};
+  ColmapInstallation colmap = FindColmap();
+  summary.SetColmapVersion(colmap.version_text);
+  return colmap;
+}
+
+// The reason of a failure matters more than a summary that cannot be written.
+void TryToWrite(const PartSummary& summary, const StageRunner& run) {
+  try {
+    summary.Write(run);
+  } catch (const std::exception& error) {
+    spdlog::error("{}", error.what());
+  }
+}
+
 }  // namespace
 
 PartResult ReconstructPart(const PartRequest& request) {
   const tbb::global_control parallelism(tbb::global_control::max_allowed_parallelism,
                                         static_cast<std::size_t>(request.threads));
   cv::setNumThreads(1);  // the work is split over frames
-  const Dataset opened = OpenDataset(request.dataset);
+  const Dataset dataset = OpenWithTruth(request);
   const OutputLayout layout{std::filesystem::absolute(request.out)};
+  RequireInputElsewhere(layout, dataset);
+  RequireOwnOutput(layout, DatasetIdentity(dataset), request.force);
   const OutputLock lock(layout.root);
-  ClaimOutput(layout, DatasetIdentity(opened), request.force);
+  ClaimOutput(layout, DatasetIdentity(dataset), request.force);
   StageRunner run({layout, request.until, request.from, request.quiet});
   PartSummary summary(request);
   try {
-    Reconstruct(opened, PartStages(request, run, summary));
+    Reconstruct(dataset, PartStages(request, FindColmapIfNeeded(request, summary), run, summary));
   } catch (const StopAfterStage&) {
     // --until: what was published so far is the result.
   } catch (const std::exception& error) {
     summary.Fail(error.what());
-    summary.Write(run);
+    TryToWrite(summary, run);
     throw;
   }
   return summary.Write(run);

@@ -8,6 +8,9 @@
 #include <map>
 
 #include "adjustment/reprojection.h"
+#include "colmap/model_io.h"
+#include "core/file.h"
+#include "export/ply.h"
 #include "imaging/image.h"
 #include "scene/keyframe_graph.h"
 
@@ -88,6 +91,13 @@ SparseModel MakeSparseOutput(const Dataset& dataset, const Adjustment& adjustmen
   }
   Colour(dataset, adjustment, model);
   return model;
+}
+
+void WriteSparseOutput(const SparseModel& model, const OutputLayout& layout) {
+  WriteFolderAtomically(layout.Sparse(),
+                        [&](const fs::path& folder) { WriteModel(model, folder); });
+  WriteFileAtomically(layout.root / "sparse.ply",
+                      [&](std::ostream& stream) { WriteSparsePly(stream, model.points); });
 }
 
 }  // namespace rigmap

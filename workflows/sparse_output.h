@@ -7,6 +7,7 @@
 #include "adjustment/adjust.h"
 #include "scene/dataset.h"
 #include "scene/sparse_model.h"
+#include "workflows/output_folder.h"
 
 namespace rigmap {
 
@@ -17,5 +18,8 @@ void LinkImages(const Dataset& dataset, const std::filesystem::path& images);
 // shows a point (reads each of these once).
 SparseModel MakeSparseOutput(const Dataset& dataset, const Adjustment& adjustment,
                              const Rigid3& world_from_gauge);
+
+// sparse/ and sparse.ply.
+void WriteSparseOutput(const SparseModel& model, const OutputLayout& layout);
 
 }  // namespace rigmap

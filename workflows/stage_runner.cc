@@ -57,12 +57,14 @@ std::size_t IndexOf(const std::string& name) {
 
 bool IsStageName(const std::string& name) { return IndexOf(name) < std::size(kStageNames); }
 
+bool ComesBefore(const std::string& a, const std::string& b) { return IndexOf(a) < IndexOf(b); }
+
 StageRunner::StageRunner(StagePlan plan) : plan_(std::move(plan)) {
   std::filesystem::create_directories(plan_.layout.root / "logs");
 }
 
 bool StageRunner::MayReuse(const std::string& name) const {
-  return !plan_.from || IndexOf(name) < IndexOf(*plan_.from);
+  return !plan_.from || ComesBefore(name, *plan_.from);
 }
 
 void StageRunner::Begin(const std::string& name, const std::string& options) {
@@ -80,6 +82,15 @@ void StageRunner::End(const std::string& name, bool reused) {
   records_.push_back({name, Now() - started_s_, std::max(OwnPeakMb(), child_peak), reused});
   spdlog::info("{} {:.3f} s", reused ? "reused," : "done,", records_.back().seconds);
   if (plan_.until == name) throw StopAfterStage();
+}
+
+void StageRunner::RemoveFrom(const std::string& name) const {
+  std::filesystem::remove(plan_.layout.Artefact(name));
+  for (std::size_t i = IndexOf(name); i < std::size(kStageNames); ++i) {
+    for (const auto& path : plan_.layout.PublishedBy(std::string(kStageNames[i]))) {
+      std::filesystem::remove_all(path);
+    }
+  }
 }
 
 bool StageRunner::AllExist(const std::vector<std::filesystem::path>& paths) {

@@ -16,6 +16,8 @@ inline constexpr std::string_view kStageNames[] = {
     "scale",   "adjustment", "dense",    "fusion",   "evaluation"};
 
 bool IsStageName(const std::string& name);
+// True if stage `a` comes before stage `b`.
+bool ComesBefore(const std::string& a, const std::string& b);
 
 struct StageRecord {
   std::string name;
@@ -42,6 +44,7 @@ struct Stage {
   // Called with every product, made or reused: what the summary says of it.
   std::function<void(const Product&)> report;
   // Writes what users read of it: called if it was made now, or if one of `published` is missing.
+  // A stage without it publishes while it makes, and is made anew if something is missing.
   std::function<void(const Product&)> publish;
   std::vector<std::filesystem::path> published;
 };
@@ -52,20 +55,26 @@ class StageRunner {
 
   // The product of a stage: as an earlier run left it, if that was made from the same inputs (all
   // stages before this one) and options and --from does not ask for it anew, else made now and
-  // kept. The stage's messages go to its log file.
+  // kept. It counts as kept only once it is published, and what this and later stages published
+  // before is removed first: at no moment do files of different products lie side by side. The
+  // stage's messages go to its log file.
   template <class Product>
   Product Run(const Stage<Product>& stage) {
     Begin(stage.name, stage.options);
     const auto path = plan_.layout.Artefact(stage.name);
     std::optional<Product> product;
-    if (MayReuse(stage.name)) product = ReadArtefact<Product>(path, key_);
+    const bool complete = AllExist(stage.published);
+    if (MayReuse(stage.name) && (complete || stage.publish)) {
+      product = ReadArtefact<Product>(path, key_);
+    }
     const bool reused = product.has_value();
     if (!reused) {
+      RemoveFrom(stage.name);
       product = stage.make();
-      WriteArtefact(path, key_, *product);
     }
+    if (stage.publish && !(reused && complete)) stage.publish(*product);
+    if (!reused) WriteArtefact(path, key_, *product);
     if (stage.report) stage.report(*product);
-    if (stage.publish && (!reused || !AllExist(stage.published))) stage.publish(*product);
     End(stage.name, reused);
     return std::move(*product);
   }
@@ -78,10 +87,12 @@ class StageRunner {
  private:
   void Begin(const std::string& name, const std::string& options);
   void End(const std::string& name, bool reused);
+  // The artefact of this stage, and what it and all later ones published.
+  void RemoveFrom(const std::string& name) const;
   static bool AllExist(const std::vector<std::filesystem::path>& paths);
 
   StagePlan plan_;
-  std::string key_;  // of the stage at hand; each contains the one before
+  std::string key_ = RIGMAP_VERSION;  // of the stage at hand; each contains the one before
   double started_s_ = 0.0;
   double children_peak_mb_ = 0.0;
   std::vector<StageRecord> records_;

@@ -1,0 +1,82 @@
+#include "workflows/evaluate_part.h"
+
+#include <gmock/gmock.h>
+
+#include <nlohmann/json.hpp>
+
+#include "core/error.h"
+#include "tests/support/temporary_folder.h"
+#include "tests/support/test_file.h"
+
+namespace rigmap {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+using testing::HasSubstr;
+
+// A straight drive of two metres, and the same drawn out by 10 %.
+class EvaluatePartTest : public testing::Test {
+ protected:
+  EvaluatePartTest() {
+    std::string straight, longer;
+    for (int i = 0; i <= 20; ++i) {
+      const std::string at = std::to_string(i) + ".0 ";
+      straight += at + std::to_string(0.1 * i) + " 0 0 0 0 0 1\n";
+      longer += at + std::to_string(0.11 * i) + " 0 0 0 0 0 1\n";
+    }
+    fs::create_directories(out_);
+    fs::create_directories(folder_.Path() / "truth");
+    WriteTestFile(out_ / "trajectory.tum", straight);
+    truth_ = WriteTestFile(folder_.Path() / "truth" / "trajectory.tum", longer);
+  }
+  std::string ErrorOf(const EvaluateRequest& request) {
+    try {
+      EvaluatePart(request);
+    } catch (const DataError& error) {
+      return error.what();
+    }
+    return "no error";
+  }
+
+  TemporaryFolder folder_;
+  fs::path out_ = folder_.Path() / "out", truth_;
+};
+
+TEST_F(EvaluatePartTest, ComparesWithAFileOrWithThatOfAFolder) {
+  const std::string line = EvaluatePart({out_, truth_, true});
+  EXPECT_EQ(line.find('\n'), line.size() - 1);
+  const json metrics = json::parse(line);
+  EXPECT_NEAR(metrics["scale"].get<double>(), 1.1, 1e-4);
+  EXPECT_NEAR(metrics["ate_sim3_m"].get<double>(), 0.0, 1e-5);
+  EXPECT_EQ(EvaluatePart({out_, truth_.parent_path(), true}), line);
+}
+
+TEST_F(EvaluatePartTest, ComparesAsTheRunWasConfigured) {
+  WriteTestFile(out_ / "config.yaml", "evaluation: {segment_m: 0.77}\n");
+  const json metrics = json::parse(EvaluatePart({out_, truth_, true}));
+  EXPECT_NEAR(metrics["segment_m"].get<double>(), 0.77, 1e-9);
+}
+
+TEST_F(EvaluatePartTest, PrintsATableForPeople) {
+  const std::string table = EvaluatePart({out_, truth_, false});
+  EXPECT_THAT(table, HasSubstr("ate_se3_m        0."));
+  EXPECT_THAT(table, HasSubstr("frames           21\n"));
+}
+
+TEST_F(EvaluatePartTest, ShowsWhatTheRunFoundWhereNoTruthIsGiven) {
+  WriteTestFile(out_ / "evaluation.json", "{\n \"frames\": 3,\n \"scale\": 1.5\n}\n");
+  EXPECT_EQ(EvaluatePart({out_, {}, true}), "{\"frames\":3,\"scale\":1.5}\n");
+}
+
+TEST_F(EvaluatePartTest, SaysWhatIsMissing) {
+  EXPECT_THAT(ErrorOf({out_, {}, true}), HasSubstr("evaluation.json"));
+  EXPECT_THAT(ErrorOf({folder_.Path() / "nothing", truth_, true}), HasSubstr("nothing"));
+  EXPECT_THAT(ErrorOf({out_, folder_.Path(), true}), HasSubstr("trajectory.tum"));
+  EXPECT_THAT(ErrorOf({out_, folder_.Path() / "no.tum", true}), HasSubstr("no.tum"));
+  WriteTestFile(out_ / "evaluation.json", "{\"frames\": ");
+  EXPECT_THAT(ErrorOf({out_, {}, true}), HasSubstr("expected JSON"));
+}
+
+}  // namespace
+}  // namespace rigmap

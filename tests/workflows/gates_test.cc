@@ -1,0 +1,290 @@
+#include "workflows/gates.h"
+
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "core/error.h"
+#include "tests/support/synthetic_rover.h"
+
+namespace rigmap {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::Not;
+
+constexpr double kStep_m = 0.5;
+constexpr double kDepth_m = 3.0;
+constexpr double kStepSigma_m = 0.001, kStepSigma_rad = 0.0005;
+
+// A healthy part of twelve keyframes along the left camera's z, every point three metres ahead.
+class GatesTest : public testing::Test {
+ protected:
+  GatesTest() {
+    for (int i = 0; i <= 11; ++i) {
+      const Rigid3 pose{Eigen::Quaterniond::Identity(), {0.0, 0.0, kStep_m * i}};
+      OdometryFrame frame{.stamp_ns = i, .world_from_left = pose, .reference = std::max(0, i - 1)};
+      frame.source = PoseSource::kOdometry;
+      frame.keyframe = true;
+      frame.step_covariance.diagonal() << Eigen::Vector3d::Constant(kStepSigma_m * kStepSigma_m),
+          Eigen::Vector3d::Constant(kStepSigma_rad * kStepSigma_rad);
+      odometry_.push_back(frame);
+      adjustment_.world_from_left.push_back(pose);
+      adjustment_.points.push_back(
+          {pose * Eigen::Vector3d(0.1, 0.2, kDepth_m), {{.frame = i, .eye = Eye::kLeft}}});
+      placed_.world_from_left.push_back(pose);
+    }
+    adjustment_.reprojection_px = 0.1;
+    adjustment_.outlier_share = 0.05;
+    CalibrationStep step;
+    step.rig_rotation_sigma.setConstant(1e-6);
+    step.log_focal_sigma = 1e-4;
+    adjustment_.calibration = step;
+    placed_.models.resize(1);
+    placed_.models[0].scale = {1.0, 0.002, {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11}, {}};
+  }
+
+  Gate Judge(const std::string& name) const {
+    const Gates gates = JudgePart(
+        {rig_, odometry_, adjustment_, mapped_ ? &placed_ : nullptr, epipolar_px_}, options_);
+    for (const Gate& gate : gates) {
+      if (gate.name == name) return gate;
+    }
+    ADD_FAILURE() << "no gate " << name;
+    return {};
+  }
+  Gates All() const {
+    return JudgePart({rig_, odometry_, adjustment_, &placed_, epipolar_px_}, options_);
+  }
+  // Moves frame `first` by a motion in its own axes, and all behind with it: one step changes.
+  void Shift(int first, const Rigid3& motion) {
+    const Rigid3 at = *adjustment_.world_from_left[first];
+    const Rigid3 moved_from_world = at * motion * at.Inverse();
+    for (std::size_t i = first; i < odometry_.size(); ++i) {
+      adjustment_.world_from_left[i] = moved_from_world * *adjustment_.world_from_left[i];
+    }
+  }
+
+  const StereoRig rig_ = LocCamRig();
+  GateOptions options_;
+  Odometry odometry_;
+  Adjustment adjustment_;
+  PlacedKeyframes placed_;
+  bool mapped_ = true;
+  std::vector<float> epipolar_px_{0.1F, 0.2F, 0.3F};
+};
+
+TEST_F(GatesTest, HealthyPartPassesThemAllOnceEach) {
+  std::vector<std::string> names;
+  for (const Gate& gate : All()) {
+    EXPECT_TRUE(gate.passed) << gate.name;
+    EXPECT_TRUE(gate.value.has_value()) << gate.name;
+    names.push_back(gate.name);
+  }
+  EXPECT_THAT(names,
+              testing::UnorderedElementsAre(
+                  "baseline_spread", "baseline_rejected", "registered", "motion_agreement_sigmas",
+                  "motion_agreement_pct", "reprojection_px", "outlier_share", "epipolar_px",
+                  "rig_consistency_deg", "rig_consistency_sigmas", "intrinsics_consistency_pct",
+                  "intrinsics_consistency_sigmas"));
+  EXPECT_EQ(FailureReason(All()), "");
+}
+
+TEST_F(GatesTest, SpreadIsJudgedAtItsLimitAndByTheWorstModel) {
+  placed_.models[0].scale.relative_spread = options_.baseline_spread;
+  EXPECT_TRUE(Judge("baseline_spread").passed);
+  placed_.models.resize(2);
+  placed_.models[1].scale.relative_spread = options_.baseline_spread + 1e-9;
+  EXPECT_FALSE(Judge("baseline_spread").passed);
+  EXPECT_EQ(Judge("baseline_spread").value, options_.baseline_spread + 1e-9);
+}
+
+TEST_F(GatesTest, RejectedShareIsJudgedAtItsLimit) {
+  placed_.models[0].scale.pairs_used = {0, 1, 2, 3};
+  placed_.models[0].scale.pairs_rejected = {4};
+  EXPECT_DOUBLE_EQ(*Judge("baseline_rejected").value, 0.2);
+  EXPECT_TRUE(Judge("baseline_rejected").passed);
+  placed_.models[0].scale.pairs_rejected = {4, 5};
+  EXPECT_FALSE(Judge("baseline_rejected").passed);
+}
+
+TEST_F(GatesTest, RegisteredShareIsALowerLimit) {
+  options_.registered = 11.0 / 12.0;
+  placed_.world_from_left[3].reset();
+  EXPECT_TRUE(Judge("registered").passed);
+  placed_.world_from_left[4].reset();
+  EXPECT_FALSE(Judge("registered").passed);
+}
+
+TEST_F(GatesTest, ReprojectionAndOutliersAreJudgedAtTheirLimits) {
+  adjustment_.reprojection_px = options_.reprojection_px;
+  adjustment_.outlier_share = options_.outlier_share;
+  EXPECT_TRUE(Judge("reprojection_px").passed);
+  EXPECT_TRUE(Judge("outlier_share").passed);
+  adjustment_.reprojection_px += 1e-9;
+  adjustment_.outlier_share += 1e-9;
+  EXPECT_FALSE(Judge("reprojection_px").passed);
+  EXPECT_FALSE(Judge("outlier_share").passed);
+}
+
+TEST_F(GatesTest, EpipolarErrorIsTheMedianOfTheFrames) {
+  options_.epipolar_px = 0.25;
+  epipolar_px_ = {0.0F, 0.25F, 9.0F};
+  EXPECT_EQ(Judge("epipolar_px").value, 0.25);
+  EXPECT_TRUE(Judge("epipolar_px").passed);
+  epipolar_px_ = {0.0F, 0.26F, 9.0F};
+  EXPECT_FALSE(Judge("epipolar_px").passed);
+}
+
+TEST_F(GatesTest, NotANumberFails) {
+  adjustment_.reprojection_px = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_FALSE(Judge("reprojection_px").passed);
+}
+
+TEST_F(GatesTest, OneBadStepInElevenIsForgivenTwoAreNot) {
+  // 10 % of the step, 50 sigmas in one of six coordinates.
+  const Rigid3 slip{Eigen::Quaterniond::Identity(), {0.05, 0.0, 0.0}};
+  Shift(3, slip);
+  EXPECT_TRUE(Judge("motion_agreement_pct").passed);
+  Shift(7, slip);
+  EXPECT_NEAR(*Judge("motion_agreement_pct").value, 10.0, 1e-9);
+  EXPECT_NEAR(*Judge("motion_agreement_sigmas").value, 50.0 / std::sqrt(6.0), 1e-9);
+  EXPECT_FALSE(Judge("motion_agreement_pct").passed);
+  EXPECT_FALSE(Judge("motion_agreement_sigmas").passed);
+}
+
+TEST_F(GatesTest, StepsFailOnlyBeyondBothLimits) {
+  // Every step slips 1 %: 12 sigmas, but little of the step.
+  for (int i = 1; i <= 11; ++i) {
+    Shift(i, {Eigen::Quaterniond::Identity(), {6.0 * kStepSigma_m, 0.0, 0.0}});
+  }
+  options_.motion_agreement_sigmas = 2.0;
+  EXPECT_GT(*Judge("motion_agreement_sigmas").value, 2.0);
+  EXPECT_TRUE(Judge("motion_agreement_sigmas").passed);
+  EXPECT_TRUE(Judge("motion_agreement_pct").passed);
+  options_.motion_agreement_pct = 1.0;
+  EXPECT_FALSE(Judge("motion_agreement_sigmas").passed);
+  EXPECT_FALSE(Judge("motion_agreement_pct").passed);
+  options_.motion_agreement_sigmas = 3.0;
+  EXPECT_TRUE(Judge("motion_agreement_sigmas").passed);
+  EXPECT_TRUE(Judge("motion_agreement_pct").passed);
+}
+
+// Half of the steps are precisely measured and 4 % off, half vaguely and 10 % off: each is within
+// one of its limits, though neither kind of difference is for nine steps out of ten.
+TEST_F(GatesTest, StepsAreJudgedOneByOne) {
+  for (int i = 1; i <= 11; ++i) {
+    const bool vague = i % 2 == 0;
+    if (vague) odometry_[i].step_covariance *= 1e6;
+    Shift(i, {Eigen::Quaterniond::Identity(), {vague ? 0.1 * kStep_m : 0.04 * kStep_m, 0.0, 0.0}});
+  }
+  options_.motion_agreement_sigmas = 1.0;
+  EXPECT_TRUE(Judge("motion_agreement_sigmas").passed);
+  EXPECT_TRUE(Judge("motion_agreement_pct").passed);
+}
+
+TEST_F(GatesTest, TurnsCountInSigmas) {
+  for (int i = 1; i <= 11; ++i) Shift(i, {ExpRotation({0.0, 40 * kStepSigma_rad, 0.0}), {}});
+  EXPECT_NEAR(*Judge("motion_agreement_sigmas").value, 40.0 / std::sqrt(6.0), 1e-6);
+  EXPECT_NEAR(*Judge("motion_agreement_pct").value, 0.0, 1e-9);
+}
+
+TEST_F(GatesTest, FramesThatWereNotMeasuredSayNothingOfMotion) {
+  for (OdometryFrame& frame : odometry_) frame.source = PoseSource::kPredicted;
+  EXPECT_FALSE(Judge("motion_agreement_sigmas").value);
+  EXPECT_TRUE(Judge("motion_agreement_sigmas").passed);
+}
+
+TEST_F(GatesTest, RigTurnIsLimitedByTheDepthErrorItMakes) {
+  const double limit_rad = options_.max_depth_error_share * rig_.Baseline() / kDepth_m;
+  EXPECT_NEAR(Judge("rig_consistency_deg").limit, limit_rad * 180.0 / std::numbers::pi, 1e-12);
+  adjustment_.calibration->rig_rotation = {0.0, 0.999 * limit_rad, 0.0};
+  EXPECT_GT(*Judge("rig_consistency_sigmas").value, options_.consistency_sigmas);
+  EXPECT_TRUE(Judge("rig_consistency_deg").passed);
+  EXPECT_TRUE(Judge("rig_consistency_sigmas").passed);
+  adjustment_.calibration->rig_rotation = {0.0, 1.001 * limit_rad, 0.0};
+  EXPECT_FALSE(Judge("rig_consistency_deg").passed);
+  EXPECT_FALSE(Judge("rig_consistency_sigmas").passed);
+}
+
+TEST_F(GatesTest, RigTurnWithinItsSigmasIsExcused) {
+  const double limit_rad = options_.max_depth_error_share * rig_.Baseline() / kDepth_m;
+  adjustment_.calibration->rig_rotation = {0.0, 2.0 * limit_rad, 0.0};
+  adjustment_.calibration->rig_rotation_sigma.setConstant(0.5 * limit_rad);
+  EXPECT_NEAR(*Judge("rig_consistency_sigmas").value, 4.0, 1e-9);
+  EXPECT_TRUE(Judge("rig_consistency_deg").passed);
+  EXPECT_TRUE(Judge("rig_consistency_sigmas").passed);
+}
+
+TEST_F(GatesTest, RigTurnThatIsHardlyKnownDoesNotApply) {
+  const double limit_rad = options_.max_depth_error_share * rig_.Baseline() / kDepth_m;
+  adjustment_.calibration->rig_rotation = {0.0, 99.0 * limit_rad, 0.0};
+  adjustment_.calibration->rig_rotation_sigma = {1e-6, 1.001 * limit_rad, 1e-6};
+  EXPECT_FALSE(Judge("rig_consistency_deg").value);
+  EXPECT_TRUE(Judge("rig_consistency_deg").passed);
+  EXPECT_THAT(Judge("rig_consistency_deg").why, HasSubstr("cannot determine"));
+}
+
+TEST_F(GatesTest, FocalCorrectionIsJudgedInPerCentOrSigmas) {
+  adjustment_.calibration->log_focal = -0.00201;
+  EXPECT_NEAR(*Judge("intrinsics_consistency_pct").value, 0.201, 1e-9);
+  EXPECT_FALSE(Judge("intrinsics_consistency_pct").passed);
+  EXPECT_FALSE(Judge("intrinsics_consistency_sigmas").passed);
+  adjustment_.calibration->log_focal = 0.00199;
+  EXPECT_TRUE(Judge("intrinsics_consistency_sigmas").passed);
+  adjustment_.calibration->log_focal = 0.009;
+  adjustment_.calibration->log_focal_sigma = 0.00195;
+  EXPECT_TRUE(Judge("intrinsics_consistency_pct").passed);
+  adjustment_.calibration->log_focal_sigma = 0.00205;
+  EXPECT_FALSE(Judge("intrinsics_consistency_pct").value);
+}
+
+TEST_F(GatesTest, WhatWasNotDoneDoesNotApplyAndPasses) {
+  mapped_ = false;
+  epipolar_px_.clear();
+  adjustment_.points.clear();
+  adjustment_.calibration.reset();
+  for (const char* name :
+       {"baseline_spread", "baseline_rejected", "registered", "reprojection_px", "outlier_share",
+        "epipolar_px", "rig_consistency_deg", "rig_consistency_sigmas",
+        "intrinsics_consistency_pct", "intrinsics_consistency_sigmas"}) {
+    EXPECT_FALSE(Judge(name).value) << name;
+    EXPECT_TRUE(Judge(name).passed) << name;
+  }
+}
+
+TEST_F(GatesTest, DepthBiasIsJudgedBySize) {
+  EXPECT_TRUE(JudgeDepthBias(-options_.depth_bias_px, options_).passed);
+  EXPECT_FALSE(JudgeDepthBias(-options_.depth_bias_px - 1e-9, options_).passed);
+  EXPECT_FALSE(JudgeDepthBias(options_.depth_bias_px + 1e-9, options_).passed);
+  EXPECT_TRUE(JudgeDepthBias(std::nullopt, options_).passed);
+}
+
+TEST(FailureReasonText, NamesWhatFailedWithValueLimitAndWhy) {
+  const Gates gates{{"a", 0.5, 1.0, true, "of no interest"},
+                    {"b", 2.5, 1.0, false, "too much of b"},
+                    {"c", std::nullopt, 1.0, true, "does not apply"},
+                    {"d", 7.0, 3.0, false, "too much of d"}};
+  EXPECT_THAT(FailureReason(gates),
+              AllOf(HasSubstr("gate b is 2.5, limit 1: too much of b; "), HasSubstr("gate d"),
+                    Not(HasSubstr("interest")), Not(HasSubstr("gate c"))));
+  EXPECT_EQ(FailureReason({}), "");
+}
+
+TEST(GateOptionsTest, MustBePositive) {
+  GateOptions options;
+  EXPECT_NO_THROW(options.Validate());
+  for (const OptionField& field : options.Fields()) {
+    double& value = *std::get<double*>(field.value);
+    const double good = value;
+    value = 0.0;
+    EXPECT_THROW(options.Validate(), UsageError) << field.name;
+    value = good;
+  }
+}
+
+}  // namespace
+}  // namespace rigmap

@@ -1,0 +1,309 @@
+#include "workflows/part_trajectory.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tests/support/seeded_random.h"
+
+namespace rigmap {
+namespace {
+
+constexpr double kStepSigma_m = 0.01, kStepSigma_rad = 0.004;
+
+Matrix6d Diagonal(double sigma_m, double sigma_rad) {
+  Vector6d variances;
+  variances << Eigen::Vector3d::Constant(sigma_m * sigma_m),
+      Eigen::Vector3d::Constant(sigma_rad * sigma_rad);
+  return variances.asDiagonal();
+}
+
+double Distance(const Rigid3& a, const Rigid3& b) { return (a.translation - b.translation).norm(); }
+double Angle(const Rigid3& a, const Rigid3& b) {
+  return AngleOf(a.rotation.conjugate() * b.rotation);
+}
+
+void ExpectSame(const Rigid3& found, const Rigid3& expected, double tolerance = 1e-9) {
+  EXPECT_LT(Distance(found, expected), tolerance);
+  EXPECT_LT(Angle(found, expected), tolerance);
+}
+
+// A curved drive of which the odometry knows every step, each frame measured against the one
+// before; nothing is adjusted but the first frame.
+struct Part {
+  explicit Part(int frames) {
+    Rigid3 pose;
+    for (int i = 0; i < frames; ++i) {
+      OdometryFrame frame{.stamp_ns = 400'000'000LL * i, .world_from_left = pose};
+      frame.reference = std::max(0, i - 1);
+      frame.source = PoseSource::kOdometry;
+      if (i > 0) frame.step_covariance = Diagonal(kStepSigma_m, kStepSigma_rad);
+      odometry.push_back(frame);
+      pose = pose * Rigid3{ExpRotation({0.01, 0.05, -0.02}), {0.02, -0.01, 0.3}};
+    }
+    adjustment.world_from_left.resize(frames);
+    adjustment.covariances.resize(frames, Matrix6d::Zero());
+    for (int i = 0; i < frames; ++i) adjustment.anchors.push_back(i);
+    adjustment.world_from_left[0] = odometry[0].world_from_left;
+  }
+
+  void Adjust(int frame, const Rigid3& pose, const Matrix6d& covariance, int anchor = 0) {
+    adjustment.world_from_left[frame] = pose;
+    adjustment.covariances[frame] = covariance;
+    adjustment.anchors[frame] = anchor;
+  }
+  // Frames first to end - 1 were not measured; the one behind was, across the gap.
+  void Predict(int first, int end) {
+    for (int i = first; i < end; ++i) odometry[i].source = PoseSource::kPredicted;
+    if (end < static_cast<int>(odometry.size())) odometry[end].reference = first - 1;
+  }
+  Trajectory Assemble(const Rigid3& world_from_gauge = {}) const {
+    return AssembleTrajectory(odometry, adjustment, world_from_gauge);
+  }
+  Rigid3 Step(int from, int to) const {
+    return odometry[from].world_from_left.Inverse() * odometry[to].world_from_left;
+  }
+
+  Odometry odometry;
+  Adjustment adjustment;
+};
+
+TEST(StartingPoses, AreMappedOrHangOnTheirReference) {
+  Part part(4);
+  for (const int keyframe : {0, 1, 3}) part.odometry[keyframe].keyframe = true;
+  SeededRandom random;
+  std::vector<std::optional<Rigid3>> mapped(4);
+  mapped[1] = random.Motion(1.0);
+  const auto starting = StartingPoses(part.odometry, mapped);
+  ExpectSame(*starting[0], part.odometry[0].world_from_left);
+  ExpectSame(*starting[1], *mapped[1]);
+  ExpectSame(*starting[2], *mapped[1] * part.Step(1, 2));
+  ExpectSame(*starting[3], *mapped[1] * part.Step(1, 3));
+}
+
+TEST(StartingPoses, AreTheOdometrysWhereNothingWasMapped) {
+  const Part part(3);
+  const auto starting = StartingPoses(part.odometry, {});
+  for (int i = 0; i < 3; ++i) ExpectSame(*starting[i], part.odometry[i].world_from_left);
+}
+
+TEST(StartingPoses, AreNotGivenToFramesWithNothingToAdjust) {
+  Part part(5);
+  part.odometry[1].stands_still = true;
+  part.odometry[2].source = PoseSource::kPredicted;
+  part.odometry[3].source = PoseSource::kPredicted;
+  part.odometry[3].keyframe = true;
+  const auto starting = StartingPoses(part.odometry, {});
+  EXPECT_TRUE(starting[0]);
+  EXPECT_FALSE(starting[1]);
+  EXPECT_FALSE(starting[2]);
+  EXPECT_TRUE(starting[3]);
+  EXPECT_TRUE(starting[4]);
+}
+
+TEST(AssembledTrajectory, HasEveryFrameWithItsSource) {
+  Part part(4);
+  part.odometry[2].keyframe = true;
+  part.Predict(3, 4);
+  part.Adjust(1, part.odometry[1].world_from_left, Diagonal(0.001, 0.001));
+  const Trajectory trajectory = part.Assemble();
+  ASSERT_EQ(trajectory.size(), 4U);
+  for (int i = 0; i < 4; ++i) EXPECT_EQ(trajectory[i].stamp_ns, part.odometry[i].stamp_ns);
+  EXPECT_EQ(trajectory[1].source, PoseSource::kAdjusted);
+  EXPECT_EQ(trajectory[2].source, PoseSource::kOdometry);
+  EXPECT_EQ(trajectory[3].source, PoseSource::kPredicted);
+  EXPECT_TRUE(trajectory[2].keyframe);
+  EXPECT_FALSE(trajectory[3].keyframe);
+}
+
+TEST(AssembledTrajectory, KeepsAdjustedPosesAndHangsTheOthersOnThem) {
+  Part part(4);
+  SeededRandom random;
+  const Rigid3 adjusted = random.Motion(1.0);
+  part.Adjust(1, adjusted, Diagonal(0.002, 0.001));
+  const Rigid3 world_from_gauge = random.Motion(1.0);
+  const Trajectory trajectory = part.Assemble(world_from_gauge);
+  ExpectSame(trajectory[1].world_from_left, world_from_gauge * adjusted);
+  ExpectSame(trajectory[2].world_from_left, world_from_gauge * adjusted * part.Step(1, 2));
+  ExpectSame(trajectory[3].world_from_left, world_from_gauge * adjusted * part.Step(1, 3));
+  EXPECT_TRUE(trajectory[0].sigmas.isZero());
+  EXPECT_NEAR(trajectory[1].sigmas[0], 0.002, 1e-12);
+  EXPECT_NEAR(trajectory[1].sigmas[5], 0.001, 1e-12);
+  EXPECT_GT(trajectory[2].sigmas.head<3>().minCoeff(), 0.002);
+  EXPECT_GT(trajectory[3].sigmas.minCoeff(), trajectory[1].sigmas.minCoeff());
+}
+
+TEST(AssembledTrajectory, GivesSigmasAlongTheAxesOfTheWorld) {
+  Part part(2);
+  Matrix6d covariance = Matrix6d::Zero();
+  covariance.diagonal() << 1e-2, 4e-2, 9e-2, 1e-4, 4e-4, 9e-4;
+  part.Adjust(1, part.odometry[1].world_from_left, covariance);
+  // x of the gauge is y of the world, y is -x.
+  const Rigid3 world_from_gauge{ExpRotation({0.0, 0.0, std::acos(0.0)}), {5.0, 6.0, 7.0}};
+  const Vector6d sigmas = part.Assemble(world_from_gauge)[1].sigmas;
+  const Vector6d expected = (Vector6d() << 0.2, 0.1, 0.3, 0.02, 0.01, 0.03).finished();
+  EXPECT_LT((sigmas - expected).norm(), 1e-12);
+}
+
+TEST(AssembledTrajectory, FramesThatStandStillStandWhereTheirReferenceDoes) {
+  Part part(4);
+  const Rigid3 adjusted{ExpRotation({0.1, -0.2, 0.3}), {0.4, 0.5, 0.6}};
+  part.Adjust(1, adjusted, Diagonal(0.002, 0.001));
+  for (const int still : {2, 3}) {
+    part.odometry[still].reference = 1;
+    part.odometry[still].stands_still = true;
+    part.odometry[still].world_from_left = part.odometry[1].world_from_left;
+  }
+  const Trajectory trajectory = part.Assemble();
+  for (const int still : {2, 3}) ExpectSame(trajectory[still].world_from_left, adjusted, 1e-12);
+}
+
+TEST(AssembledTrajectory, PredictedRunIsLaidOntoBothEnds) {
+  Part part(8);
+  part.Predict(2, 6);
+  // The adjustment has turned and moved the end of the gap against the odometry.
+  const Rigid3 end{part.odometry[6].world_from_left.rotation * ExpRotation({0.0, 0.1, 0.0}),
+                   part.odometry[6].world_from_left.translation + Eigen::Vector3d(0.5, 0.2, -0.3)};
+  part.Adjust(1, part.odometry[1].world_from_left, Diagonal(0.002, 0.001));
+  part.Adjust(6, end, Diagonal(0.003, 0.001));
+  const Trajectory trajectory = part.Assemble();
+  ExpectSame(trajectory[6].world_from_left, end);
+  // What the end was moved by is shared out: each step takes a fifth, the last one into the end
+  // too.
+  const Rigid3 moved = end * part.odometry[6].world_from_left.Inverse();
+  for (int i = 2; i < 6; ++i) {
+    const Rigid3 expected = Interpolate(Rigid3(), moved, (i - 1) / 5.0);
+    ExpectSame(trajectory[i].world_from_left, expected * part.odometry[i].world_from_left);
+  }
+  // The first frame behind the gap hangs on the end.
+  ExpectSame(trajectory[7].world_from_left, end * part.Step(6, 7));
+}
+
+TEST(AssembledTrajectory, SigmasOfAPredictedRunGrowInsideAndShrinkToItsEnds) {
+  Part part(12);
+  part.Predict(2, 10);
+  part.Adjust(1, part.odometry[1].world_from_left, Diagonal(0.002, 0.001));
+  part.Adjust(10, part.odometry[10].world_from_left, Diagonal(0.003, 0.001));
+  const Trajectory trajectory = part.Assemble();
+  const auto sigma = [&](int i) { return trajectory[i].sigmas.head<3>().norm(); };
+  for (int i = 1; i < 5; ++i) EXPECT_LT(sigma(i), sigma(i + 1)) << i;
+  for (int i = 6; i < 10; ++i) EXPECT_GT(sigma(i), sigma(i + 1)) << i;
+  EXPECT_LT(trajectory[9].sigmas[3], 1.5 * std::hypot(0.001, kStepSigma_rad));
+}
+
+TEST(AssembledTrajectory, PredictedRunWithoutAnEndIsCarriedOnWithGrowingSigmas) {
+  Part part(8);
+  part.Predict(4, 8);
+  const Trajectory trajectory = part.Assemble();
+  for (int i = 4; i < 8; ++i) {
+    ExpectSame(trajectory[i].world_from_left, part.odometry[i].world_from_left);
+    EXPECT_GT(trajectory[i].sigmas.head<3>().norm(), trajectory[i - 1].sigmas.head<3>().norm());
+  }
+}
+
+// A frame behind the gap that hangs on a predicted one knows nothing of the way across it.
+TEST(AssembledTrajectory, RunIsNotTiedToAFrameThatHangsOnIt) {
+  Part part(6);
+  part.Predict(2, 4);
+  part.odometry[4].reference = 3;
+  part.Adjust(1, part.odometry[1].world_from_left, Diagonal(0.002, 0.001));
+  const Trajectory trajectory = part.Assemble();
+  for (int i = 2; i < 6; ++i) {
+    ExpectSame(trajectory[i].world_from_left, part.odometry[i].world_from_left);
+  }
+  EXPECT_GT(trajectory[4].sigmas.norm(), trajectory[3].sigmas.norm());
+}
+
+// Position and rotation drawn with the covariance, about the axes of the gauge.
+Rigid3 Draw(const Rigid3& pose, const Matrix6d& covariance, SeededRandom& random) {
+  Vector6d draw;
+  for (int i = 0; i < 6; ++i) draw[i] = random.Normal(1.0);
+  const Vector6d error = covariance.llt().matrixL() * draw;
+  return {ExpRotation(error.tail<3>()) * pose.rotation, pose.translation + error.head<3>()};
+}
+
+// A measured left_from_reference with an error drawn from its covariance, a left perturbation.
+Rigid3 DrawStep(const Rigid3& left_from_reference, const Matrix6d& covariance,
+                SeededRandom& random) {
+  return Draw(Rigid3(), covariance, random) * left_from_reference;
+}
+
+Matrix6d RandomCovariance(double sigma_m, double sigma_rad, SeededRandom& random) {
+  Matrix6d mixed;
+  for (int i = 0; i < 36; ++i) mixed(i / 6, i % 6) = random.Normal(1.0);
+  const Matrix6d scale = Diagonal(sigma_m, sigma_rad).cwiseSqrt();
+  return scale * (mixed * mixed.transpose() / 6.0 + Matrix6d::Identity()) * scale;
+}
+
+// Spread of drawn poses about a mean: as TimedPose::sigmas.
+class Spread {
+ public:
+  explicit Spread(Rigid3 mean) : mean_(std::move(mean)) {}
+  void Add(const Rigid3& pose) {
+    squares_.head<3>() += (pose.translation - mean_.translation).cwiseAbs2();
+    squares_.tail<3>() += LogRotation(pose.rotation * mean_.rotation.conjugate()).cwiseAbs2();
+    ++count_;
+  }
+  void ExpectSigmas(const Vector6d& sigmas) const {
+    const Vector6d drawn = (squares_ / count_).cwiseSqrt();
+    for (int i = 0; i < 6; ++i) EXPECT_NEAR(sigmas[i] / drawn[i], 1.0, 0.03) << i;
+  }
+
+ private:
+  Rigid3 mean_;
+  Vector6d squares_ = Vector6d::Zero();
+  int count_ = 0;
+};
+
+constexpr int kDraws = 10000;  // leave 0.7 % on a sigma
+
+TEST(AssembledTrajectory, SigmasOfAChainOfStepsAreThoseOfDrawnOnes) {
+  Part part(4);
+  SeededRandom random;
+  part.Adjust(1, random.Motion(1.0), RandomCovariance(0.004, 0.003, random));
+  for (const int i : {2, 3})
+    part.odometry[i].step_covariance = RandomCovariance(0.005, 0.004, random);
+  const Trajectory trajectory = part.Assemble();
+  Spread spread(trajectory[3].world_from_left);
+  for (int draw = 0; draw < kDraws; ++draw) {
+    Rigid3 pose = Draw(*part.adjustment.world_from_left[1], part.adjustment.covariances[1], random);
+    for (const int i : {2, 3}) {
+      pose =
+          pose * DrawStep(part.Step(i - 1, i).Inverse(), part.odometry[i].step_covariance, random)
+                     .Inverse();
+    }
+    spread.Add(pose);
+  }
+  spread.ExpectSigmas(trajectory[3].sigmas);
+}
+
+// Frames 3 and 4 share no point with those before: they are known relative to frame 2, which only
+// odometry ties to the rest.
+TEST(AssembledTrajectory, SigmasBehindAnAnchorTakeInThoseOfTheAnchor) {
+  Part part(5);
+  SeededRandom random;
+  part.Adjust(1, part.odometry[1].world_from_left, RandomCovariance(0.004, 0.003, random));
+  part.Adjust(2, part.odometry[2].world_from_left, Matrix6d::Zero(), 2);
+  for (const int i : {3, 4}) {
+    const Rigid3 pose = part.odometry[i].world_from_left;
+    part.Adjust(i, pose, RandomCovariance(0.002, 0.001, random), 2);
+  }
+  const Trajectory trajectory = part.Assemble();
+  Spread of_anchor(trajectory[2].world_from_left), of_last(trajectory[4].world_from_left);
+  for (int draw = 0; draw < kDraws; ++draw) {
+    const Rigid3 before =
+        Draw(*part.adjustment.world_from_left[1], part.adjustment.covariances[1], random);
+    const Rigid3 anchor =
+        before *
+        DrawStep(part.Step(1, 2).Inverse(), part.odometry[2].step_covariance, random).Inverse();
+    of_anchor.Add(anchor);
+    const Rigid3 last =
+        Draw(*part.adjustment.world_from_left[4], part.adjustment.covariances[4], random);
+    of_last.Add(anchor * part.odometry[2].world_from_left.Inverse() * last);
+  }
+  of_anchor.ExpectSigmas(trajectory[2].sigmas);
+  of_last.ExpectSigmas(trajectory[4].sigmas);
+}
+
+}  // namespace
+}  // namespace rigmap

@@ -1,0 +1,102 @@
+// The whole recipe on data that lies beside the project, where RIGMAP_DATA says.
+#include <gmock/gmock.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <nlohmann/json.hpp>
+
+#include "core/file.h"
+#include "export/ply.h"
+#include "tests/support/temporary_folder.h"
+#include "tests/workflows/rigmap_program.h"
+
+namespace rigmap {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+constexpr const char* kPython = "/usr/bin/python3";  // Debian's: it has numpy and scipy
+
+class RealData : public testing::Test {
+ protected:
+  void SetUp() override {
+    const char* data = std::getenv("RIGMAP_DATA");
+    if (!data) GTEST_SKIP() << "RIGMAP_DATA is not set";
+    data_ = data;
+  }
+  ProgramEnd Run(const std::vector<std::string>& more) const {
+    std::vector<std::string> arguments{"part", "--out", out_, "--quiet"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return RunRigmap(arguments);
+  }
+  json Evaluation(const fs::path& truth) const {
+    return json::parse(RunRigmap({"evaluate", out_, "--truth", truth, "--json"}).out);
+  }
+  json JsonOf(const char* name) const { return json::parse(ReadTextFile(out_ / name)); }
+
+  fs::path data_;
+  TemporaryFolder folder_;
+  fs::path out_ = folder_.Path() / "out";
+};
+
+// Equal to a unit of the last digit that is printed.
+void ExpectEqual(const json& found, const json& expected) {
+  EXPECT_EQ(found.size(), expected.size());
+  for (const auto& [key, value] : expected.items()) {
+    ASSERT_TRUE(found.contains(key)) << key;
+    const bool coarse =
+        key == "path_m" || key == "est_path_m" || key == "segment_m" || key == "scale_error_pct";
+    EXPECT_NEAR(found[key].get<double>(), value.get<double>(), coarse ? 1.1e-3 : 1.1e-4) << key;
+  }
+}
+
+// With block matching and coarse voxels: the surface is judged in the rooms that make it.
+TEST_F(RealData, BeachPartIsMetric) {
+  const fs::path truth = data_ / "beach-dev" / "truth" / "Part2";
+  const ProgramEnd end =
+      Run({"--dataset", data_ / "beach-dev", "--traverse", "3", "--part", "2", "--truth", truth,
+           "--set", "dense.method=bm", "--set", "fusion.voxel_m=0.02"});
+  ASSERT_EQ(end.exit_code, 0) << end.err;
+  const json metrics = JsonOf("evaluation.json");
+  EXPECT_EQ(metrics["coverage"], 1.0);
+  EXPECT_LE(metrics["scale_error_pct"].get<double>(), 0.03);
+  EXPECT_LE(metrics["ate_se3_pct"].get<double>(), 0.02);
+  EXPECT_LE(metrics["rpe_t_pct"].get<double>(), 0.1);
+  EXPECT_LE(metrics["rpe_r_deg_per_m"].get<double>(), 0.03);
+  const json summary = JsonOf("summary.json");
+  EXPECT_EQ(summary["frames"]["posed"], summary["frames"]["paired"]);
+  EXPECT_EQ(summary["world_up"], "imu");
+  EXPECT_TRUE(fs::exists(out_ / "trajectory_antenna.tum"));
+  EXPECT_GT(ReadPly(out_ / "dense.ply").size(), 20000U);
+
+  const fs::path scorer = data_ / ".." / "score" / "trajectory_metrics.py";
+  if (!fs::exists(scorer) || !fs::exists(kPython)) {
+    GTEST_SKIP() << "the scorer or Debian's python3 is missing: figures not compared with it";
+  }
+  const ProgramEnd scored =
+      RunProgram(kPython, {scorer, out_ / "trajectory.tum", truth / "trajectory.tum"});
+  ASSERT_EQ(scored.exit_code, 0) << scored.err;
+  ExpectEqual(metrics, json::parse(scored.out));
+}
+
+// A rig that lies still must not invent motion. Its own calibration may not please the gates.
+TEST_F(RealData, StillRigStandsStill) {
+  const ProgramEnd end = Run({"--dataset", data_ / "euroc-still", "--until", "adjustment"});
+  ASSERT_TRUE(end.exit_code == 0 || end.exit_code == 3) << end.err;
+  const json metrics = Evaluation(data_ / "euroc-still" / "groundtruth_tum.txt");
+  EXPECT_EQ(metrics["frames"], 8);
+  EXPECT_LE(metrics["extent_m"].get<double>(), 0.005);
+}
+
+TEST_F(RealData, DesertStepHasItsLength) {
+  const ProgramEnd end = Run({"--dataset", data_ / "devon-pair", "--until", "adjustment"});
+  ASSERT_TRUE(end.exit_code == 0 || end.exit_code == 3) << end.err;
+  // Against itself: the figures of one trajectory.
+  const json metrics = Evaluation(out_ / "trajectory.tum");
+  EXPECT_EQ(metrics["frames"], 2);
+  EXPECT_NEAR(metrics["extent_m"].get<double>(), 0.12, 0.010);
+}
+
+}  // namespace
+}  // namespace rigmap

@@ -1,0 +1,39 @@
+// The built programs, run as a user runs them.
+#pragma once
+
+#include <sys/types.h>
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace rigmap {
+
+struct ProgramEnd {
+  int exit_code = -1;  // -1: ended by a signal
+  std::string out, err;
+
+  std::string LastErrorLine() const;
+};
+
+// Runs `program` (a path, or a name on PATH) in `folder` and waits.
+ProgramEnd RunProgram(const std::string& program, const std::vector<std::string>& arguments,
+                      const std::filesystem::path& folder = ".");
+// The program under test.
+ProgramEnd RunRigmap(const std::vector<std::string>& arguments,
+                     const std::filesystem::path& folder = ".");
+
+// Starts the program under test, its output thrown away, and does not wait.
+pid_t StartRigmap(const std::vector<std::string>& arguments);
+// Ends it at once, as a power failure would, and waits until it is gone.
+void KillHard(pid_t process);
+
+// The folder that WriteRenderedBeach made, once, when the tests were built.
+std::filesystem::path RenderedBeach();
+// A copy of it in `folder`/data that a test may spoil.
+std::filesystem::path CopyOfRenderedBeach(const std::filesystem::path& folder);
+
+// All paths below `folder`, relative to it, sorted.
+std::vector<std::string> FilesIn(const std::filesystem::path& folder);
+
+}  // namespace rigmap
