@@ -7,19 +7,12 @@
 #include <functional>
 #include <numbers>
 
+#include "core/statistics.h"
+
 namespace rigmap {
 namespace {
 
 constexpr double kDegrees = 180.0 / std::numbers::pi;
-
-// The value that this share of the others comes before, in the order of `key`.
-template <class Value, class Key = std::identity>
-Value Percentile(std::vector<Value> values, double share, const Key& key = {}) {
-  const auto index = static_cast<std::ptrdiff_t>(
-      std::min(share * static_cast<double>(values.size()), static_cast<double>(values.size() - 1)));
-  std::ranges::nth_element(values, values.begin() + index, {}, key);
-  return values[static_cast<std::size_t>(index)];
-}
 
 // A gate that passes while its value is at most the limit.
 Gate AtMost(std::string name, std::optional<double> value, double limit, std::string why) {
@@ -94,7 +87,7 @@ void JudgeMotion(const GateInputs& inputs, const GateOptions& options, Gates& ga
       return std::min(step.sigmas / options.motion_agreement_sigmas,
                       step.pct / options.motion_agreement_pct);
     };
-    const StepDifference typical = Percentile(std::move(differences), kShare, excess);
+    const StepDifference typical = Quantile(std::move(differences), kShare, excess);
     sigmas = typical.sigmas;
     pct = typical.pct;
   }
@@ -111,7 +104,7 @@ double MedianDepth(const GateInputs& inputs) {
     const auto& pose = inputs.adjustment.world_from_left[point.observations.front().frame];
     depths.push_back((pose->Inverse() * point.x).z());
   }
-  return depths.empty() ? 0.0 : Percentile(std::move(depths), 0.5);
+  return depths.empty() ? 0.0 : Quantile(std::move(depths), 0.5);
 }
 
 void JudgeCalibration(const GateInputs& inputs, const GateOptions& options, Gates& gates) {
@@ -186,7 +179,7 @@ Gates JudgePart(const GateInputs& inputs, const GateOptions& options) {
   gates.push_back(AtMost("outlier_share", if_adjusted(inputs.adjustment.outlier_share),
                          options.outlier_share, "observations dropped by the adjustment"));
   std::optional<double> epipolar;
-  if (!inputs.epipolar_px.empty()) epipolar = Percentile(inputs.epipolar_px, 0.5);
+  if (!inputs.epipolar_px.empty()) epipolar = Quantile(inputs.epipolar_px, 0.5);
   gates.push_back(AtMost("epipolar_px", epipolar, options.epipolar_px,
                          "median distance of stereo matches from their epipolar line"));
   JudgeCalibration(inputs, options, gates);
@@ -201,11 +194,13 @@ Gate JudgeDepthBias(std::optional<double> bias_px, const GateOptions& options) {
 
 std::string FailureReason(const Gates& gates) {
   std::vector<std::string> failed;
+  const std::string* said = nullptr;
   for (const Gate& gate : gates) {
-    if (!gate.passed && gate.value) {
-      failed.push_back(fmt::format("gate {} is {:.4g}, limit {:.4g}: {}", gate.name, *gate.value,
-                                   gate.limit, gate.why));
-    }
+    // Of two gates on one thing the first speaks for both.
+    if (gate.passed || !gate.value || (said && gate.why == *said)) continue;
+    said = &gate.why;
+    failed.push_back(fmt::format("gate {} is {:.4g}, limit {:.4g}: {}", gate.name, *gate.value,
+                                 gate.limit, gate.why));
   }
   return fmt::format("{}", fmt::join(failed, "; "));
 }

@@ -9,6 +9,7 @@
 #include "adjustment/level_world.h"
 #include "core/error.h"
 #include "core/progress.h"
+#include "core/statistics.h"
 #include "dataset/open_dataset.h"
 #include "features/extract_features.h"
 #include "mapping/build_graph.h"
@@ -23,13 +24,6 @@ namespace rigmap {
 namespace {
 
 namespace fs = std::filesystem;
-
-float MedianAbsolute(std::vector<float> values) {
-  for (float& value : values) value = std::abs(value);
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 // Features of a frame as Extract left them.
 FrameFeatures LoadFeatures(const fs::path& path, const std::string& key) {

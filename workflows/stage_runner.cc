@@ -8,7 +8,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <fstream>
 
 namespace rigmap {
 namespace {
@@ -27,18 +26,6 @@ void LogTo(const std::filesystem::path& path, bool quiet) {
       "rigmap", spdlog::sinks_init_list{std::move(file), std::move(terminal)});
   logger->flush_on(spdlog::level::info);
   spdlog::set_default_logger(std::move(logger));
-}
-
-// Lets the kernel count the peak of resident memory anew.
-void ResetPeakMemory() { std::ofstream("/proc/self/clear_refs") << "5"; }
-
-double OwnPeakMb() {
-  std::ifstream status("/proc/self/status");
-  for (std::string word; status >> word;) {
-    double kilobytes = 0.0;
-    if (word == "VmHWM:" && status >> kilobytes) return kilobytes / 1024.0;
-  }
-  return 0.0;
 }
 
 // Largest child so far, of all stages.
@@ -69,7 +56,7 @@ bool StageRunner::MayReuse(const std::string& name) const {
 
 void StageRunner::Begin(const std::string& name, const std::string& options) {
   LogTo(plan_.layout.Log(name), plan_.quiet);
-  ResetPeakMemory();
+  memory_.emplace();
   started_s_ = Now();
   key_ = HashText(key_ + "\n" + name + "\n" + options);
 }
@@ -79,7 +66,9 @@ void StageRunner::End(const std::string& name, bool reused) {
   // The kernel keeps the largest child of all; one that grew it ran in this stage.
   const double child_peak = children_mb > children_peak_mb_ ? children_mb : 0.0;
   children_peak_mb_ = children_mb;
-  records_.push_back({name, Now() - started_s_, std::max(OwnPeakMb(), child_peak), reused});
+  records_.push_back(
+      {name, Now() - started_s_, std::max(memory_->Megabytes(), child_peak), reused});
+  memory_.reset();
   spdlog::info("{} {:.3f} s", reused ? "reused," : "done,", records_.back().seconds);
   if (plan_.until == name) throw StopAfterStage();
 }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/artefact.h"
+#include "core/memory_peak.h"
 #include "workflows/output_folder.h"
 
 namespace rigmap {
@@ -95,6 +96,7 @@ class StageRunner {
   std::string key_ = RIGMAP_VERSION;  // of the stage at hand; each contains the one before
   double started_s_ = 0.0;
   double children_peak_mb_ = 0.0;
+  std::optional<MemoryPeak> memory_;  // of the stage at hand
   std::vector<StageRecord> records_;
 };
 

@@ -8,6 +8,7 @@
 
 #include "core/file.h"
 #include "core/progress.h"
+#include "core/statistics.h"
 #include "dataset/open_dataset.h"
 #include "dense/dense_matcher.h"
 #include "export/ply.h"
@@ -21,15 +22,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::optional<double> Median(const std::vector<std::optional<double>>& values) {
+std::optional<double> MedianOfKnown(const std::vector<std::optional<double>>& values) {
   std::vector<double> known;
   for (const auto& value : values) {
     if (value) known.push_back(*value);
   }
-  if (known.empty()) return std::nullopt;
-  const auto middle = known.begin() + static_cast<std::ptrdiff_t>(known.size() / 2);
-  std::nth_element(known.begin(), middle, known.end());
-  return *middle;
+  return known.empty() ? std::nullopt : std::optional(Median(std::move(known)));
 }
 
 // Frames whose depth goes into the map: keyframes, and all frames where there are hardly any; none
@@ -128,7 +126,7 @@ DepthIndex PartStages::MatchAllDense(const Dataset& dataset, const AdjustedPart&
       progress.Advance();
     });
   });
-  index.bias_px = Median(biases);
+  index.bias_px = MedianOfKnown(biases);
   return index;
 }
 

@@ -8,6 +8,7 @@
 
 #include "adjustment/bundle.h"
 #include "adjustment/reprojection.h"
+#include "core/statistics.h"
 #include "correspondence/tracks.h"
 
 namespace rigmap {
@@ -27,13 +28,6 @@ std::vector<double> ErrorsPx(const std::vector<AdjustedPoint>& points,
     }
   }
   return errors;
-}
-
-double Median(std::vector<double> values) {
-  if (values.empty()) return 0.0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 // Robust sigma of one coordinate from distances: the median of a Rayleigh distribution is 1.1774
@@ -145,7 +139,7 @@ class Adjuster {
     Adjustment result;
     result.observation_counts = ObservationsPerFrame();
     const auto errors = ErrorsPx(bundle_.points, bundle_.left_from_world, bundle_.rig);
-    result.reprojection_px = Median(errors);
+    result.reprojection_px = errors.empty() ? 0.0 : Median(errors);
     result.noise_px = noise_px_;
     const std::size_t all =
         ObservationCount(TriangulateWithin(std::numeric_limits<double>::infinity()));

@@ -23,8 +23,8 @@ struct AdjustmentOptions {
   double max_depth_baselines = 1000.0;
   int rounds = 3;
   int max_iterations = 50;
-  // Of the last round; 1e-4 before. A damped solver stopped early on long parts at 1e-5 (13.9 instead
-  // of 6.9 mm at 400 pairs); undamped, poses of 103 pairs do not change from here to 1e-8.
+  // Of the last round; 1e-4 before. A damped solver stopped early on long parts at 1e-5 (13.9
+  // instead of 6.9 mm at 400 pairs); undamped, poses of 103 pairs do not change from here to 1e-8.
   double function_tolerance = 1e-7;
 
   OptionFields Fields();

@@ -5,6 +5,8 @@
 #include <optional>
 #include <random>
 
+#include "core/statistics.h"
+
 namespace rigmap {
 namespace {
 
@@ -51,8 +53,7 @@ std::optional<Eigen::Vector3d> UpFromGround(const Poses& gauge_from_left,
   const Eigen::Vector3d first_camera = FirstPose(gauge_from_left).translation;
   std::vector<double> distances;
   for (const Eigen::Vector3d& x : points) distances.push_back((x - first_camera).norm());
-  std::nth_element(distances.begin(), distances.begin() + distances.size() / 2, distances.end());
-  const double tolerance = kTolerance * distances[distances.size() / 2];
+  const double tolerance = kTolerance * Median(std::move(distances));
   std::mt19937 random(static_cast<unsigned>(points.size()));
   std::uniform_int_distribution<std::size_t> draw(0, points.size() - 1);
   std::optional<Eigen::Vector3d> best;

@@ -6,6 +6,8 @@
 #include <opencv2/calib3d.hpp>
 #include <random>
 
+#include "core/statistics.h"
+
 namespace rigmap {
 namespace {
 
@@ -130,11 +132,7 @@ class PoseProblem {
       ++result.inlier_count;
       errors_px.push_back(at->residual.head<2>().norm() * rig_.left.camera.MeanFocal());
     }
-    if (!errors_px.empty()) {
-      const auto middle = errors_px.begin() + static_cast<std::ptrdiff_t>(errors_px.size() / 2);
-      std::nth_element(errors_px.begin(), middle, errors_px.end());
-      result.median_error_px = *middle;
-    }
+    if (!errors_px.empty()) result.median_error_px = Median(std::move(errors_px));
     return result;
   }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
+#include "core/statistics.h"
 #include "correspondence/patch_alignment.h"
 #include "features/epipolar_search.h"
 #include "geometry/rectification.h"
@@ -113,13 +114,6 @@ class PartnerFinder {
   EpipolarSearch to_right_, to_left_;
 };
 
-double MedianAbsolute(std::vector<float> values) {
-  for (float& value : values) value = std::abs(value);
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 // The best candidate of each place in the right image.
 std::vector<Candidate> OneToOne(std::vector<Candidate> candidates, const cv::Size& size) {
   std::sort(candidates.begin(), candidates.end(), [](const Candidate& a, const Candidate& b) {
@@ -165,9 +159,9 @@ StereoPartners FindStereoPartners(const StereoImages& images, const StereoRig& r
     partners.epipolar_errors_px.push_back(static_cast<float>(candidate.epipolar_error_px));
   }
   if (candidates.empty()) return partners;
-  constexpr double kSigmaOfMedian = 1.4826, kMinToleratedPx = 0.5;
+  constexpr double kMinToleratedPx = 0.5;
   const double tolerated_px =
-      std::max(kMinToleratedPx, options.max_epipolar_sigmas * kSigmaOfMedian *
+      std::max(kMinToleratedPx, options.max_epipolar_sigmas * kSigmaOfMedianDeviation *
                                     MedianAbsolute(partners.epipolar_errors_px));
   for (const Candidate& candidate : candidates) {
     if (std::abs(candidate.epipolar_error_px) <= tolerated_px) {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/statistics.h"
 #include "correspondence/feature_matching.h"
 #include "correspondence/stereo_points.h"
 #include "correspondence/stereo_pose.h"
@@ -57,9 +58,7 @@ double MedianShift(const Reference& reference, const FrameFeatures& current,
     shifts.push_back(
         (current.features[match.b].left - reference.features.features[match.a].left).norm());
   }
-  const auto middle = shifts.begin() + static_cast<std::ptrdiff_t>(shifts.size() / 2);
-  std::nth_element(shifts.begin(), middle, shifts.end());
-  return *middle;
+  return Median(std::move(shifts));
 }
 
 std::optional<Found> Solve(const Reference& reference, const FrameFeatures& current,

@@ -5,18 +5,11 @@
 #include <map>
 #include <set>
 
+#include "core/statistics.h"
 #include "scene/keyframe_graph.h"
 
 namespace rigmap {
 namespace {
-
-constexpr double kSigmaOfMedian = 1.4826;
-
-double Median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 std::map<int, Rigid3> LeftPoses(const SparseModel& model) {
   std::map<int, Rigid3> poses;
@@ -89,7 +82,7 @@ std::optional<BaselineScale> MeasureBaseline(const SparseModel& model, double ba
   if (!(median > 0.0)) return std::nullopt;
   for (double distance : all) deviations.push_back(std::abs(distance - median));
   BaselineScale result;
-  const double sigma = kSigmaOfMedian * Median(deviations);
+  const double sigma = kSigmaOfMedianDeviation * Median(deviations);
   result.relative_spread = sigma / median;
   const double tolerated =
       std::max(options.max_sigmas * sigma, options.min_tolerated_share * median);

@@ -1,0 +1,37 @@
+// Order statistics.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <functional>
+#include <vector>
+
+namespace rigmap {
+
+// 1.4826 times the median absolute deviation is the standard deviation of normal noise.
+inline constexpr double kSigmaOfMedianDeviation = 1.4826;
+
+// The value that `share` (0 to 1) of the others come before, in the order of `key`. `values` must
+// not be empty. Linear time.
+template <class Value, class Key = std::identity>
+Value Quantile(std::vector<Value> values, double share, const Key& key = {}) {
+  const auto index = std::min(static_cast<std::size_t>(share * static_cast<double>(values.size())),
+                              values.size() - 1);
+  std::ranges::nth_element(values, values.begin() + static_cast<std::ptrdiff_t>(index), {}, key);
+  return values[index];
+}
+
+// Of an even number of values the upper of the two middle ones.
+template <class Value>
+Value Median(std::vector<Value> values) {
+  return Quantile(std::move(values), 0.5);
+}
+
+template <class Value>
+Value MedianAbsolute(std::vector<Value> values) {
+  for (Value& value : values) value = std::abs(value);
+  return Median(std::move(values));
+}
+
+}  // namespace rigmap
