@@ -107,13 +107,28 @@ double MedianDepth(const GateInputs& inputs) {
   return depths.empty() ? 0.0 : Quantile(std::move(depths), 0.5);
 }
 
+// Largest distance of an adjusted camera from the first.
+double PathExtent(const GateInputs& inputs) {
+  std::optional<Eigen::Vector3d> first;
+  double extent_m = 0.0;
+  for (const auto& pose : inputs.adjustment.world_from_left) {
+    if (!pose) continue;
+    if (!first) first = pose->translation;
+    extent_m = std::max(extent_m, (pose->translation - *first).norm());
+  }
+  return extent_m;
+}
+
 void JudgeCalibration(const GateInputs& inputs, const GateOptions& options, Gates& gates) {
   std::optional<double> turn_deg, turn_sigmas, focal_pct, focal_sigmas;
   std::string turn_why = "the path cannot determine it", focal_why = turn_why;
   const double depth_m = MedianDepth(inputs);
   const double max_turn_rad =
       depth_m > 0.0 ? options.max_depth_error_share * inputs.rig.Baseline() / depth_m : 1.0;
-  if (const auto& step = inputs.adjustment.calibration) {
+  const auto& step = inputs.adjustment.calibration;
+  // What the baseline should have been shows against the path; a path shorter than the baseline
+  // adds nothing to what one frame tells, however many frames repeat it.
+  if (step && PathExtent(inputs) >= inputs.rig.Baseline()) {
     // A correction less certain than the limit says nothing.
     if (step->rig_rotation_sigma.maxCoeff() < max_turn_rad) {
       turn_deg = kDegrees * step->rig_rotation.norm();

@@ -252,7 +252,8 @@ void WriteDatabase(const ColmapInstallation& colmap, const DatabaseContent& cont
     RemoveDatabase(temporary);
     RunTool({.program = colmap.path,
              .arguments = {"database_creator", "--database_path", temporary.string()},
-             .log_path = log_path},
+             .log_path = log_path,
+             .environment = {{"GLOG_logtostderr", "1"}}},
             "creating the database");
     Fill(temporary, colmap, content);
     RemoveDatabase(path);

@@ -114,12 +114,14 @@ void PrepareFolders(const std::filesystem::path& images, const std::filesystem::
 
 ProcessRequest MakeProcess(const ColmapInstallation& colmap, const CommandLine& command,
                            const std::filesystem::path& log, int threads) {
-  return {
-      .program = colmap.path,
-      .arguments = command.Arguments(),
-      .log_path = log,
-      // Eigen, Ceres and BLAS below COLMAP: together no more than their share.
-      .environment = {{"OMP_NUM_THREADS", std::to_string(threads)}, {"OPENBLAS_NUM_THREADS", "1"}}};
+  return {.program = colmap.path,
+          .arguments = command.Arguments(),
+          .log_path = log,
+          // Eigen, Ceres and BLAS below COLMAP: together no more than their share.
+          // Without the last COLMAP leaves log files of its own in the temporary folder.
+          .environment = {{"OMP_NUM_THREADS", std::to_string(threads)},
+                          {"OPENBLAS_NUM_THREADS", "1"},
+                          {"GLOG_logtostderr", "1"}}};
 }
 
 // 3.8 prints "Registering image #ID (K)" as it adds the K-th image of a model.

@@ -242,6 +242,20 @@ TEST_F(GatesTest, FocalCorrectionIsJudgedInPerCentOrSigmas) {
   EXPECT_FALSE(Judge("intrinsics_consistency_pct").value);
 }
 
+TEST_F(GatesTest, PathShorterThanTheBaselineCannotTellTheCalibration) {
+  adjustment_.calibration->rig_rotation = {0.0, 0.01, 0.0};
+  adjustment_.calibration->log_focal = 0.02;
+  EXPECT_FALSE(Judge("rig_consistency_deg").passed);
+  EXPECT_FALSE(Judge("intrinsics_consistency_pct").passed);
+  for (std::size_t i = 0; i < adjustment_.world_from_left.size(); ++i) {
+    adjustment_.world_from_left[i]->translation *= 0.9 * rig_.Baseline() / (11.0 * kStep_m);
+  }
+  for (const char* name : {"rig_consistency_deg", "intrinsics_consistency_pct"}) {
+    EXPECT_FALSE(Judge(name).value) << name;
+    EXPECT_TRUE(Judge(name).passed) << name;
+  }
+}
+
 TEST_F(GatesTest, WhatWasNotDoneDoesNotApplyAndPasses) {
   mapped_ = false;
   epipolar_px_.clear();
