@@ -37,7 +37,8 @@ struct FeatureRef {
   int frame = 0;
   int feature = 0;
 
-  auto operator<=>(const FeatureRef&) const = default;
+  // clang-tidy takes the zero that <=> is compared with for a pointer.
+  auto operator<=>(const FeatureRef&) const = default;  // NOLINT(modernize-use-nullptr)
 
   template <class Archive>
   void serialize(Archive& archive) {

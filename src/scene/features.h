@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <vector>
@@ -18,7 +19,7 @@ constexpr int kPatchSize = 2 * kPatchRadius + 1;
 
 using Descriptor = std::array<std::uint8_t, kDescriptorSize>;
 // Grey values around the rounded left keypoint, row by row.
-using Patch = std::array<std::uint8_t, kPatchSize * kPatchSize>;
+using Patch = std::array<std::uint8_t, std::size_t{kPatchSize} * kPatchSize>;
 
 struct Feature {
   Eigen::Vector2d left;                  // px, OpenCV convention, distorted image
