@@ -11,6 +11,7 @@
 #include <optional>
 #include <thread>
 
+#include "core/config_file.h"
 #include "core/error.h"
 #include "core/progress.h"
 #include "workflows/evaluate_part.h"
@@ -30,18 +31,6 @@ void LogToStderr(bool quiet) {
   logger->set_pattern("rigmap: %v");
   logger->set_level(quiet ? spdlog::level::err : spdlog::level::info);
   spdlog::set_default_logger(std::move(logger));
-}
-
-// config/ above the program: in the source or build tree, or installed under share/rigmap.
-fs::path ConfigFile(const char* name) {
-  const fs::path program = fs::read_symlink("/proc/self/exe");
-  for (fs::path folder = program.parent_path(); folder.has_relative_path();
-       folder = folder.parent_path()) {
-    for (const char* config : {"config", "share/rigmap/config"}) {
-      if (fs::exists(folder / config / name)) return folder / config / name;
-    }
-  }
-  return fs::path("config") / name;
 }
 
 std::pair<int, int> ParseFrames(const std::string& text) {

@@ -69,8 +69,10 @@ void WriteFileAtomically(const std::filesystem::path& path,
   }
 }
 
-void WriteFolderAtomically(const std::filesystem::path& path,
+void WriteFolderAtomically(const std::filesystem::path& name,
                            const std::function<void(const std::filesystem::path&)>& fill) {
+  // "folder/" names the same as "folder", but has no last part to put something beside.
+  const auto path = name.has_filename() ? name : name.parent_path();
   CreateParent(path);
   const auto temporary = TemporaryBeside(path);
   const auto previous = TemporaryBeside(path.string() + ".previous");

@@ -11,6 +11,7 @@
 
 #include "core/error.h"
 #include "core/file.h"
+#include "tests/support/message_of.h"
 #include "tests/support/temporary_folder.h"
 
 namespace rigmap {
@@ -22,16 +23,6 @@ using testing::Not;
 
 ProcessRequest Shell(const std::string& script) {
   return {.program = "sh", .arguments = {"-c", script}};
-}
-
-template <class Failure, class Function>
-std::string MessageOf(Function&& function) {
-  try {
-    function();
-  } catch (const Failure& failure) {
-    return failure.what();
-  }
-  return "nothing was thrown";
 }
 
 bool Exists(pid_t process) {

@@ -7,7 +7,8 @@
 #include <random>
 
 #include "core/error.h"
-#include "tests/core/temporary_folder.h"
+#include "tests/support/message_of.h"
+#include "tests/support/temporary_folder.h"
 
 namespace rigmap {
 namespace {

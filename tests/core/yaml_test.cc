@@ -4,7 +4,8 @@
 #include <gtest/gtest.h>
 
 #include "core/error.h"
-#include "tests/core/temporary_folder.h"
+#include "tests/support/message_of.h"
+#include "tests/support/temporary_folder.h"
 
 namespace rigmap {
 namespace {

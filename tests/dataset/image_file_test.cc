@@ -3,8 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "tests/core/temporary_folder.h"
 #include "tests/dataset/sample_data.h"
+#include "tests/support/temporary_folder.h"
 
 namespace rigmap {
 namespace {

@@ -6,8 +6,9 @@
 #include <random>
 
 #include "core/error.h"
-#include "tests/core/temporary_folder.h"
 #include "tests/dataset/sample_data.h"
+#include "tests/support/message_of.h"
+#include "tests/support/temporary_folder.h"
 
 namespace rigmap {
 namespace {

@@ -3,25 +3,17 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cmath>
-#include <numbers>
 #include <opencv2/imgcodecs.hpp>
-#include <opencv2/imgproc.hpp>
 #include <vector>
 
 #include "core/error.h"
 #include "tests/support/seeded_random.h"
+#include "tests/support/simulated_shot.h"
 #include "tests/support/synthetic_rover.h"
 #include "tests/support/temporary_folder.h"
 
 namespace rigmap {
 namespace {
-
-// A textured plane n . x = h in left camera axes, seen by both eyes of a rig.
-struct Plane {
-  Eigen::Vector3d normal = Eigen::Vector3d(0.1, -0.8, -0.6).normalized();
-  double offset_m = -1.2;
-};
 
 // The rig of LocCam at half the resolution.
 StereoRig SmallRig() {
@@ -38,58 +30,16 @@ StereoRig SmallRig() {
   return rig;
 }
 
-// Smooth random texture: waves of 1.5 to 12 cm in all directions of the plane.
-class Texture {
- public:
-  explicit Texture(SeededRandom& random) {
-    for (int i = 0; i < 40; ++i) {
-      const double direction = random.Uniform(0.0, 2.0 * std::numbers::pi);
-      const double length_m = 0.015 * std::pow(8.0, random.Uniform(0.0, 1.0));
-      const double wave_number = 2.0 * std::numbers::pi / length_m;
-      waves_.push_back({wave_number * std::cos(direction), wave_number * std::sin(direction),
-                        random.Uniform(0.0, 2.0 * std::numbers::pi)});
-    }
-  }
-  double At(double u_m, double v_m) const {
-    double sum = 0.0;
-    for (const auto& wave : waves_) sum += std::sin(wave[0] * u_m + wave[1] * v_m + wave[2]);
-    return 120.0 + 18.0 * sum;
-  }
-
- private:
-  std::vector<Eigen::Vector3d> waves_;
-};
-
-cv::Mat Render(const Camera& camera, const Rigid3& left_from_eye, const Plane& plane,
-               const Texture& texture) {
-  cv::Mat image(camera.height, camera.width, CV_8UC1, cv::Scalar(0));
-  const Eigen::Vector3d u_axis = plane.normal.unitOrthogonal();
-  const Eigen::Vector3d v_axis = plane.normal.cross(u_axis);
-  for (int row = 0; row < image.rows; ++row) {
-    for (int column = 0; column < image.cols; ++column) {
-      const auto normalised = Undistort(camera, {column, row});
-      if (!normalised) continue;
-      const Eigen::Vector3d ray = left_from_eye.rotation * normalised->homogeneous();
-      const double along =
-          (plane.offset_m - plane.normal.dot(left_from_eye.translation)) / plane.normal.dot(ray);
-      if (along <= 0.0) continue;
-      const Eigen::Vector3d x = left_from_eye.translation + along * ray;
-      image.at<uchar>(row, column) =
-          cv::saturate_cast<uchar>(texture.At(u_axis.dot(x), v_axis.dot(x)));
-    }
-  }
-  return image;
-}
-
-class DenseMatcherOnPlane : public testing::TestWithParam<const char*> {
+class DenseMatcherOnSand : public testing::TestWithParam<const char*> {
  protected:
+  // As simulating takes most of the time.
+  static void SetUpTestSuite() { shot_ = new SimulatedShot(SmallRig(), 17); }
+  static void TearDownTestSuite() { delete shot_; }
+
   void SetUp() override {
-    SeededRandom random;
-    const Texture texture(random);
     frame_ = {1, folder_.Path() / "left.png", folder_.Path() / "right.png"};
-    cv::imwrite(frame_.left_path, Render(rig_.left.camera, {}, plane_, texture));
-    cv::imwrite(frame_.right_path,
-                Render(rig_.right.camera, rig_.right_from_left.Inverse(), plane_, texture));
+    cv::imwrite(frame_.left_path, shot_->left());
+    cv::imwrite(frame_.right_path, shot_->right());
     options_.method = GetParam();
     options_.max_range_m = 4.0;
   }
@@ -111,19 +61,20 @@ class DenseMatcherOnPlane : public testing::TestWithParam<const char*> {
     const Eigen::Vector3d ray = map.left_from_rectified.rotation *
                                 Eigen::Vector3d((column - map.camera.cx) / map.camera.fx,
                                                 (row - map.camera.cy) / map.camera.fy, 1.0);
-    return map.camera.fx * map.baseline_m * plane_.normal.dot(ray) / plane_.offset_m;
+    const Eigen::Vector3d hit = map.left_from_rectified.Inverse() * *shot_->HitAlong(ray);
+    return map.camera.fx * map.baseline_m / hit.z();
   }
 
   TemporaryFolder folder_;
   StereoRig rig_ = SmallRig();
-  Plane plane_;
   StereoFrame frame_;
   DenseOptions options_;
+  inline static SimulatedShot* shot_ = nullptr;
 };
 
-INSTANTIATE_TEST_SUITE_P(Methods, DenseMatcherOnPlane, testing::Values("sgm", "bm"));
+INSTANTIATE_TEST_SUITE_P(Methods, DenseMatcherOnSand, testing::Values("sgm", "bm"));
 
-TEST_P(DenseMatcherOnPlane, FindsThePlane) {
+TEST_P(DenseMatcherOnSand, FindsTheSand) {
   if (options_.method == std::string("bm")) options_.block_px = 15;
   const DepthMap map = DenseMatcher(rig_, options_, {}).Compute(frame_);
   const std::vector<double> errors = Errors(map);
@@ -133,20 +84,19 @@ TEST_P(DenseMatcherOnPlane, FindsThePlane) {
   EXPECT_LT(errors[errors.size() * 19 / 20], 0.5) << "95 %, px";
 }
 
-TEST_P(DenseMatcherOnPlane, HasNoBiasAgainstSparsePoints) {
+TEST_P(DenseMatcherOnSand, HasNoBiasAgainstSparsePoints) {
   SeededRandom random;
   const DepthMap map = DenseMatcher(rig_, options_, {}).Compute(frame_);
   std::vector<Eigen::Vector3d> points;
   for (int i = 0; i < 500; ++i) {
-    const Eigen::Vector3d ray(random.Uniform(-0.4, 0.4), random.Uniform(-0.3, 0.4), 1.0);
-    points.push_back(ray * plane_.offset_m / plane_.normal.dot(ray));
+    points.push_back(*shot_->HitAlong({random.Uniform(-0.4, 0.4), random.Uniform(-0.3, 0.4), 1.0}));
   }
   const auto bias_px = DisparityBiasPx(map, points);
   ASSERT_TRUE(bias_px);
   EXPECT_NEAR(*bias_px, 0.0, 0.05);
 }
 
-TEST_P(DenseMatcherOnPlane, KeepsToItsRangeAndMasks) {
+TEST_P(DenseMatcherOnSand, KeepsToItsRangeAndMasks) {
   options_.min_depth_m = 1.3;
   options_.max_range_m = 1.7;
   rig_.left.calibrated_region = PixelRegion{0, 0, rig_.left.camera.width / 2, 10000};
@@ -168,7 +118,7 @@ TEST_P(DenseMatcherOnPlane, KeepsToItsRangeAndMasks) {
   EXPECT_GT(known, 5000);
 }
 
-TEST_P(DenseMatcherOnPlane, IsTheSameTwice) {
+TEST_P(DenseMatcherOnSand, IsTheSameTwice) {
   const DenseMatcher matcher(rig_, options_, {});
   EXPECT_EQ(
       cv::norm(matcher.Compute(frame_).disparity, matcher.Compute(frame_).disparity, cv::NORM_INF),

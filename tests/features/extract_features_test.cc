@@ -9,7 +9,7 @@
 
 #include "core/error.h"
 #include "correspondence/stereo_points.h"
-#include "tests/features/rendered_plane.h"
+#include "tests/support/simulated_shot.h"
 #include "tests/support/synthetic_rover.h"
 #include "tests/support/temporary_folder.h"
 
@@ -18,24 +18,27 @@ namespace {
 
 class ExtractFeaturesTest : public testing::Test {
  protected:
+  // As simulating takes most of the time.
+  static void SetUpTestSuite() { shot_ = new SimulatedShot(LocCamRig(), 13); }
+  static void TearDownTestSuite() { delete shot_; }
+
   void SetUp() override {
-    const StereoShot shot = Photograph(plane_, rig_);
     frame_.stamp_ns = 1234;
     frame_.left_path = (folder_.Path() / "left.png").string();
     frame_.right_path = (folder_.Path() / "right.png").string();
-    cv::imwrite(frame_.left_path, shot.left);
-    cv::imwrite(frame_.right_path, shot.right);
-    left_ = shot.left;
+    left_ = shot_->left().clone();
+    cv::imwrite(frame_.left_path, left_);
+    cv::imwrite(frame_.right_path, shot_->right());
   }
 
   StereoRig rig_ = LocCamRig();
-  TexturedPlane plane_{13};
   TemporaryFolder folder_;
   StereoFrame frame_;
   cv::Mat left_;
+  inline static SimulatedShot* shot_ = nullptr;
 };
 
-TEST_F(ExtractFeaturesTest, PointsLieOnThePlane) {
+TEST_F(ExtractFeaturesTest, PointsLieOnTheSand) {
   const FeatureSetup setup = MakeFeatureSetup(rig_, {}, {});
   const FrameFeatures found = ExtractFeatures(frame_, setup);
   EXPECT_EQ(found.stamp_ns, 1234);
@@ -43,16 +46,16 @@ TEST_F(ExtractFeaturesTest, PointsLieOnThePlane) {
   EXPECT_EQ(found.descriptors.size(), found.features.size());
   EXPECT_EQ(found.patches.size(), found.features.size());
   EXPECT_EQ(found.usable_share, 1.0);
-  int partners = 0, on_plane = 0;
+  int partners = 0, on_sand = 0;
   const auto points = TriangulateFeatures(found.features, rig_, 0.15);
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (!points[i]) continue;
     ++partners;
-    const Eigen::Vector3d truth = *plane_.Hit(rig_.left.camera, found.features[i].left);
-    on_plane += (points[i]->x_in_left - truth).norm() < 2.0 * points[i]->depth_sigma_m ? 1 : 0;
+    const Eigen::Vector3d truth = *shot_->HitAt(found.features[i].left);
+    on_sand += (points[i]->x_in_left - truth).norm() < 2.0 * points[i]->depth_sigma_m ? 1 : 0;
   }
   EXPECT_GT(partners, 700);
-  EXPECT_GT(on_plane, 0.98 * partners);
+  EXPECT_GT(on_sand, 0.98 * partners);
   for (float error : found.epipolar_errors_px) EXPECT_LT(std::abs(error), 4.0F);
 }
 

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/error.h"
+#include "tests/support/message_of.h"
 #include "tests/support/seeded_random.h"
 #include "tests/support/temporary_folder.h"
 
@@ -92,31 +93,25 @@ TEST(ReadGrey, TakesSmallSixteenBitValuesAsTwelveBit) {
   EXPECT_EQ(LargestDifference(ReadGrey(path, CameraOf(30, 20)), expected), 0.0);
 }
 
-std::string MessageOf(const std::string& path, const Camera& camera) {
-  try {
-    ReadGrey(path, camera);
-  } catch (const DataError& error) {
-    return error.what();
-  }
-  return "";
+std::string ReadingFails(const std::string& path) {
+  return MessageOf<DataError>([&] { ReadGrey(path, CameraOf(30, 20)); });
 }
 
 TEST(ReadGrey, NamesFileAndBothSizes) {
   const TemporaryFolder folder;
   const std::string path = folder.Path() / "a.png";
   cv::imwrite(path, RandomImage(CV_8UC1, 256.0));
-  EXPECT_THAT(MessageOf(path, CameraOf(31, 20)),
+  EXPECT_THAT(MessageOf<DataError>([&] { ReadGrey(path, CameraOf(31, 20)); }),
               AllOf(HasSubstr(path), HasSubstr("31 x 20"), HasSubstr("30 x 20")));
 }
 
 TEST(ReadGrey, NamesFilesThatAreMissingOrDamaged) {
   const TemporaryFolder folder;
   const std::string missing = folder.Path() / "missing.png";
-  EXPECT_THAT(MessageOf(missing, CameraOf(30, 20)), HasSubstr(missing));
+  EXPECT_THAT(ReadingFails(missing), HasSubstr(missing));
   const std::string damaged = folder.Path() / "damaged.png";
   std::ofstream(damaged) << "no image";
-  EXPECT_THAT(MessageOf(damaged, CameraOf(30, 20)),
-              AllOf(HasSubstr(damaged), HasSubstr("cannot be decoded")));
+  EXPECT_THAT(ReadingFails(damaged), AllOf(HasSubstr(damaged), HasSubstr("cannot be decoded")));
 }
 
 }  // namespace

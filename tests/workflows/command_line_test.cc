@@ -19,11 +19,11 @@ using testing::StartsWith;
 
 class CommandLine : public testing::Test {
  protected:
-  // Runs `rigmap part` on the rendered beach with more arguments; expects this exit code, nothing
+  // Runs `rigmap part` on the simulated part with more arguments; expects this exit code, nothing
   // on standard output, and returns the last line of standard error, which must be a sentence of
   // rigmap's own.
   std::string PartFails(int exit_code, const std::vector<std::string>& more) {
-    std::vector<std::string> arguments{"part", "--dataset", RenderedBeach(), "--out", out_};
+    std::vector<std::string> arguments{"part", "--dataset", SimulatedPartFolder(), "--out", out_};
     arguments.insert(arguments.end(), more.begin(), more.end());
     return Fails(exit_code, arguments);
   }
@@ -56,7 +56,7 @@ TEST_F(CommandLine, WrongUsageEndsWithTwo) {
   EXPECT_THAT(Fails(2, {}), HasSubstr("subcommand"));
   EXPECT_THAT(Fails(2, {"map"}), HasSubstr("map"));
   EXPECT_THAT(Fails(2, {"part", "--out", out_}), HasSubstr("--dataset"));
-  EXPECT_THAT(Fails(2, {"part", "--dataset", RenderedBeach()}), HasSubstr("--out"));
+  EXPECT_THAT(Fails(2, {"part", "--dataset", SimulatedPartFolder()}), HasSubstr("--out"));
   EXPECT_THAT(Fails(2, {"evaluate"}), HasSubstr("out"));
   EXPECT_THAT(PartFails(2, {"--voxel", "3"}), HasSubstr("--voxel"));
   EXPECT_THAT(PartFails(2, {"--threads", "many"}), HasSubstr("--threads"));
@@ -99,7 +99,7 @@ TEST_F(CommandLine, ConfigurationThatCannotBeUsedEndsWithOne) {
 
 TEST_F(CommandLine, MissingDataEndsWithOne) {
   EXPECT_THAT(DatasetFails(folder_.Path() / "nowhere"), HasSubstr("nowhere"));
-  EXPECT_THAT(DatasetFails(RenderedBeach() / "times.txt"), HasSubstr("a file"));
+  EXPECT_THAT(DatasetFails(SimulatedPartFolder() / "times.txt"), HasSubstr("a file"));
   fs::create_directories(folder_.Path() / "empty");
   EXPECT_THAT(DatasetFails(folder_.Path() / "empty"), HasSubstr("stereo folder"));
   EXPECT_THAT(PartFails(1, {"--rig", folder_.Path() / "no.yaml"}), HasSubstr("no.yaml"));
@@ -123,7 +123,7 @@ TEST_F(CommandLine, FolderOfSomethingElseIsRefusedAndLeftAsItIs) {
 }
 
 TEST_F(CommandLine, OutputOverTheInputIsRefusedEvenByForce) {
-  const fs::path data = CopyOfRenderedBeach(folder_.Path());
+  const fs::path data = CopyOfSimulatedPart(folder_.Path());
   const auto before = FilesIn(folder_.Path());
   for (const fs::path& out : {data, folder_.Path(), data / "left"}) {
     EXPECT_THAT(Fails(1, {"part", "--dataset", data, "--out", out, "--force"}),
@@ -133,18 +133,20 @@ TEST_F(CommandLine, OutputOverTheInputIsRefusedEvenByForce) {
 }
 
 TEST_F(CommandLine, OutputThatCannotBeWrittenEndsWithOne) {
-  EXPECT_THAT(Fails(1, {"part", "--dataset", RenderedBeach(), "--out", "/proc/out"}),
+  EXPECT_THAT(Fails(1, {"part", "--dataset", SimulatedPartFolder(), "--out", "/proc/out"}),
               HasSubstr("/proc/out"));
   const auto file = WriteTestFile(folder_.Path() / "file", "mine\n");
-  EXPECT_THAT(Fails(1, {"part", "--dataset", RenderedBeach(), "--out", file}), HasSubstr("a file"));
+  EXPECT_THAT(Fails(1, {"part", "--dataset", SimulatedPartFolder(), "--out", file}),
+              HasSubstr("a file"));
 }
 
 TEST_F(CommandLine, FolderOnceUsedIsNotTakenForOtherData) {
-  ASSERT_EQ(RunRigmap({"part", "--dataset", RenderedBeach(), "--out", out_, "--until", "dataset"})
-                .exit_code,
-            0);
-  const fs::path data = CopyOfRenderedBeach(folder_.Path());
-  EXPECT_THAT(DatasetFails(data), HasSubstr(RenderedBeach().string()));
+  ASSERT_EQ(
+      RunRigmap({"part", "--dataset", SimulatedPartFolder(), "--out", out_, "--until", "dataset"})
+          .exit_code,
+      0);
+  const fs::path data = CopyOfSimulatedPart(folder_.Path());
+  EXPECT_THAT(DatasetFails(data), HasSubstr(SimulatedPartFolder().string()));
   EXPECT_EQ(RunRigmap({"part", "--dataset", data, "--out", out_, "--until", "dataset", "--force"})
                 .exit_code,
             0);
@@ -152,7 +154,7 @@ TEST_F(CommandLine, FolderOnceUsedIsNotTakenForOtherData) {
 
 class SpoiltFolder : public CommandLine {
  protected:
-  SpoiltFolder() : data_(CopyOfRenderedBeach(folder_.Path())) {}
+  SpoiltFolder() : data_(CopyOfSimulatedPart(folder_.Path())) {}
   fs::path data_;
 };
 

@@ -4,6 +4,7 @@
 
 #include "core/error.h"
 #include "core/file.h"
+#include "tests/support/message_of.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/test_file.h"
 
@@ -14,18 +15,6 @@ using testing::AllOf;
 using testing::HasSubstr;
 
 constexpr const char* kDefaults = RIGMAP_CONFIG "/default.yaml";
-
-template <class Failure, class Deed>
-std::string MessageOf(const Deed& deed) {
-  try {
-    deed();
-  } catch (const Failure& failure) {
-    return failure.what();
-  } catch (const std::exception& other) {
-    return std::string("of another kind: ") + other.what();
-  }
-  return "nothing thrown";
-}
 
 class PartOptionsFile : public testing::Test {
  protected:

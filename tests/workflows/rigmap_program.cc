@@ -63,10 +63,10 @@ void KillHard(pid_t process) {
   waitpid(process, nullptr, 0);
 }
 
-fs::path RenderedBeach() { return RIGMAP_RENDERED_BEACH; }
+fs::path SimulatedPartFolder() { return RIGMAP_SIMULATED_PART; }
 
-fs::path CopyOfRenderedBeach(const fs::path& folder) {
-  fs::copy(RenderedBeach(), folder / "data", fs::copy_options::recursive);
+fs::path CopyOfSimulatedPart(const fs::path& folder) {
+  fs::copy(SimulatedPartFolder(), folder / "data", fs::copy_options::recursive);
   return folder / "data";
 }
 

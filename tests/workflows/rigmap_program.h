@@ -28,10 +28,10 @@ pid_t StartRigmap(const std::vector<std::string>& arguments);
 // Ends it at once, as a power failure would, and waits until it is gone.
 void KillHard(pid_t process);
 
-// The folder that WriteRenderedBeach made, once, when the tests were built.
-std::filesystem::path RenderedBeach();
+// The folder that write_simulated_part made, once, when the tests were built.
+std::filesystem::path SimulatedPartFolder();
 // A copy of it in `folder`/data that a test may spoil.
-std::filesystem::path CopyOfRenderedBeach(const std::filesystem::path& folder);
+std::filesystem::path CopyOfSimulatedPart(const std::filesystem::path& folder);
 
 // All paths below `folder`, relative to it, sorted.
 std::vector<std::string> FilesIn(const std::filesystem::path& folder);

@@ -1,4 +1,6 @@
-// The whole recipe on a small rendered beach, from the command line to the files.
+// The whole recipe on a small simulated beach, from the command line to the files.
+#include "tests/support/simulated_part.h"
+
 #include <gmock/gmock.h>
 #include <unistd.h>
 
@@ -10,7 +12,6 @@
 #include "core/file.h"
 #include "export/ply.h"
 #include "export/tum.h"
-#include "tests/support/rendered_beach.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/test_file.h"
 #include "tests/workflows/rigmap_program.h"
@@ -29,7 +30,7 @@ using testing::Not;
 using Arguments = std::vector<std::string>;
 
 Arguments PartArguments(const fs::path& out, const Arguments& more = {}) {
-  Arguments arguments{"part", "--dataset", RenderedBeach(), "--out", out, "--quiet"};
+  Arguments arguments{"part", "--dataset", SimulatedPartFolder(), "--out", out, "--quiet"};
   arguments.insert(arguments.end(), more.begin(), more.end());
   return arguments;
 }
@@ -69,29 +70,30 @@ std::vector<std::string> Bytes(const fs::path& out, const Arguments& names = kPu
   return bytes;
 }
 
-class RenderedPart : public testing::Test {
+class SimulatedPartTest : public testing::Test {
  protected:
   void ExpectTrajectoryLikeTruth() const {
     const json metrics = JsonOf(out_ / "evaluation.json");
     EXPECT_EQ(metrics["coverage"], 1.0);
     EXPECT_LT(metrics["ate_se3_pct"].get<double>(), 0.03);
     EXPECT_LT(metrics["scale_error_pct"].get<double>(), 0.05);
-    const ProgramEnd end =
-        RunRigmap({"evaluate", out_, "--truth", RenderedBeach() / "groundtruth_tum.txt", "--json"});
+    const ProgramEnd end = RunRigmap(
+        {"evaluate", out_, "--truth", SimulatedPartFolder() / "groundtruth_tum.txt", "--json"});
     EXPECT_EQ(json::parse(end.out), metrics);
   }
 
-  // Every dense point against the ground that was rendered.
+  // Every dense point against the surface that was photographed.
   void ExpectSurfaceLikeTruth() const {
+    const SimulatedPart part;
     const Rigid3 truth_from_world =
-        RenderedPoses().front() *
+        part.frames().front().world_from_left *
         ReadTum(out_ / "trajectory.tum").front().world_from_body.Inverse();
     const PointCloud points = ReadPly(out_ / "dense.ply");
     ASSERT_GT(points.size(), 20000U);
     std::vector<double> errors_m;
     for (const SurfacePoint& point : points) {
       const Eigen::Vector3d x = truth_from_world * point.x_in_world.cast<double>();
-      errors_m.push_back(std::abs(x.z() - GroundHeight(x.x(), x.y())));
+      errors_m.push_back(std::abs(part.HeightAboveGround(x)));
     }
     std::sort(errors_m.begin(), errors_m.end());
     EXPECT_LT(errors_m[errors_m.size() / 2], 0.005);
@@ -137,7 +139,7 @@ class RenderedPart : public testing::Test {
   fs::path out_ = folder_.Path() / "out";
 };
 
-TEST_F(RenderedPart, IsMetricCompleteAndReadByOthers) {
+TEST_F(SimulatedPartTest, IsMetricCompleteAndReadByOthers) {
   RunPart(out_);
   ExpectSummary();
   ExpectTrajectoryLikeTruth();
@@ -146,7 +148,7 @@ TEST_F(RenderedPart, IsMetricCompleteAndReadByOthers) {
   for (const std::string& name : FilesIn(out_)) EXPECT_FALSE(IsTemporaryName(name)) << name;
 }
 
-TEST_F(RenderedPart, IsReusedWholeAndWhatIsMissingIsMadeAgain) {
+TEST_F(SimulatedPartTest, IsReusedWholeAndWhatIsMissingIsMadeAgain) {
   RunPart(out_);
   const auto before = Bytes(out_);
   RunPart(out_);
@@ -161,7 +163,7 @@ TEST_F(RenderedPart, IsReusedWholeAndWhatIsMissingIsMadeAgain) {
   EXPECT_TRUE(Bytes(out_) == before);
 }
 
-TEST_F(RenderedPart, ChangedOptionRedoesItsStageAndThoseBehind) {
+TEST_F(SimulatedPartTest, ChangedOptionRedoesItsStageAndThoseBehind) {
   RunPart(out_, {"--until", "scale"});
   RunPart(out_, {"--until", "scale", "--set", "matching.neighbours=3"});
   EXPECT_THAT(Reused(out_), ElementsAre("dataset", "features", "odometry"));
@@ -175,7 +177,7 @@ TEST_F(RenderedPart, ChangedOptionRedoesItsStageAndThoseBehind) {
   EXPECT_THAT(Reused(out_), IsEmpty());
 }
 
-TEST_F(RenderedPart, UntilLeavesWhatItsStagesPublish) {
+TEST_F(SimulatedPartTest, UntilLeavesWhatItsStagesPublish) {
   RunPart(out_, {"--until", "dataset"});
   EXPECT_EQ(JsonOf(out_ / "summary.json")["frames"]["paired"], 8);
   EXPECT_FALSE(fs::exists(out_ / "trajectory.tum"));
@@ -192,21 +194,21 @@ TEST_F(RenderedPart, UntilLeavesWhatItsStagesPublish) {
   EXPECT_THAT(files, Each(Not(testing::AnyOf("dense.ply", "evaluation.json"))));
 }
 
-TEST_F(RenderedPart, RunsFromAnywhereThroughALinkOnRelativePaths) {
+TEST_F(SimulatedPartTest, RunsFromAnywhereThroughALinkOnRelativePaths) {
   const fs::path link = folder_.Path() / "a link", work = folder_.Path() / "work";
   fs::create_directories(work);
   fs::create_symlink(RIGMAP_PROGRAM, link);
-  fs::create_directory_symlink(RenderedBeach(), work / "my data");
+  fs::create_directory_symlink(SimulatedPartFolder(), work / "my data");
   const ProgramEnd end = RunProgram(
       link, {"part", "--dataset", "my data", "--out", "results/1", "--until", "database"}, work);
   EXPECT_EQ(end.exit_code, 0) << end.err;
   EXPECT_EQ(end.out, "");
-  const fs::path image = work / "results/1/colmap/images/left" / "1500000000250000000.png";
+  const fs::path image = work / "results/1/colmap/images/left" / "1448551418849000000.png";
   EXPECT_TRUE(fs::exists(image));
   EXPECT_THAT(FilesIn(work), Each(testing::AnyOf(testing::StartsWith("results"), "my data")));
 }
 
-TEST_F(RenderedPart, IsTheSameWithOneThreadAndWithTwo) {
+TEST_F(SimulatedPartTest, IsTheSameWithOneThreadAndWithTwo) {
   const fs::path other = folder_.Path() / "other";
   RunPart(out_, {"--threads", "1"});
   RunPart(other, {"--threads", "2"});
@@ -225,7 +227,7 @@ int ProcessesOn(const fs::path& folder) {
   return count;
 }
 
-TEST_F(RenderedPart, ThatIsKilledAtAnyMomentEndsAsIfItHadNotBeen) {
+TEST_F(SimulatedPartTest, ThatIsKilledAtAnyMomentEndsAsIfItHadNotBeen) {
   const fs::path other = folder_.Path() / "other";
   RunPart(other);
   for (const char* moment : {"stages/features", "stages/features.bin", "colmap", "logs/mapping.log",
@@ -244,7 +246,7 @@ TEST_F(RenderedPart, ThatIsKilledAtAnyMomentEndsAsIfItHadNotBeen) {
   for (const std::string& name : FilesIn(out_)) EXPECT_FALSE(IsTemporaryName(name)) << name;
 }
 
-TEST_F(RenderedPart, IsRefusedWhileAnotherRunIsAtIt) {
+TEST_F(SimulatedPartTest, IsRefusedWhileAnotherRunIsAtIt) {
   const pid_t process = StartRigmap(PartArguments(out_));
   while (!fs::exists(out_ / "logs" / "features.log")) usleep(1000);
   const ProgramEnd second = RunRigmap(PartArguments(out_));
@@ -253,8 +255,8 @@ TEST_F(RenderedPart, IsRefusedWhileAnotherRunIsAtIt) {
   EXPECT_THAT(second.LastErrorLine(), testing::HasSubstr("another rigmap"));
 }
 
-TEST_F(RenderedPart, WithAWrongRigIsDoneButNotTrusted) {
-  const fs::path data = CopyOfRenderedBeach(folder_.Path());
+TEST_F(SimulatedPartTest, WithAWrongRigIsDoneButNotTrusted) {
+  const fs::path data = CopyOfSimulatedPart(folder_.Path());
   std::string rig = ReadTextFile(data / "calib.yaml");
   const auto cx = rig.find("161.7");
   ASSERT_NE(cx, std::string::npos);
@@ -268,9 +270,9 @@ TEST_F(RenderedPart, WithAWrongRigIsDoneButNotTrusted) {
   EXPECT_TRUE(fs::exists(out_ / "trajectory.tum"));
 }
 
-TEST_F(RenderedPart, WithoutColmapFailsBeforeAnyWork) {
+TEST_F(SimulatedPartTest, WithoutColmapFailsBeforeAnyWork) {
   const ProgramEnd end = RunProgram("env", {"PATH=/nowhere", RIGMAP_PROGRAM, "part", "--dataset",
-                                            RenderedBeach(), "--out", out_});
+                                            SimulatedPartFolder(), "--out", out_});
   EXPECT_EQ(end.exit_code, 1);
   EXPECT_THAT(end.LastErrorLine(), testing::HasSubstr("colmap"));
   EXPECT_FALSE(fs::exists(out_ / "stages"));
@@ -278,7 +280,7 @@ TEST_F(RenderedPart, WithoutColmapFailsBeforeAnyWork) {
 }
 
 // Fewer than three keyframes: nothing to map, but every frame has a pose and there is a surface.
-TEST_F(RenderedPart, OfOneOrTwoPairsIsStillWhole) {
+TEST_F(SimulatedPartTest, OfOneOrTwoPairsIsStillWhole) {
   for (const char* frames : {"0:1", "2:4"}) {
     RunPart(out_, {"--frames", frames});
     const json summary = JsonOf(out_ / "summary.json");

@@ -1,0 +1,320 @@
+#include "simulation/view_renderer.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "core/error.h"
+#include "simulation/materials.h"
+#include "simulation/noise.h"
+#include "simulation/world_parts.h"
+
+namespace rigmap {
+namespace {
+
+using Colour = Eigen::Vector3f;
+using Steps = std::array<Eigen::Vector3f, 2>;
+
+// Light of the sun and of the sky on a surface that faces them, so that level sand under a sun of
+// 19 degrees comes to about 0.4 times 1.
+const Colour kSun(1.95f, 1.82f, 1.60f);
+const Colour kSky(0.50f, 0.53f, 0.57f);
+constexpr int kMostSamples = 4;    // along the longer axis of what a pixel covers
+constexpr float kLift_m = 0.003f;  // where rays towards the sun start
+constexpr float kSky_m = 1e6f;     // stands for the sky's distance
+constexpr std::uint32_t kNoThing = 0xFFFFFFFFu, kFirstBody = 0xFFFFFFF0u;
+
+// Overcast above, brighter towards the horizon and around the sun.
+Colour SkyColour(const Eigen::Vector3f& direction, const Eigen::Vector3f& sun, std::uint32_t seed) {
+  const float up = std::max(direction.z(), 0.02f);
+  const double x = direction.x() / (up + 0.12f), y = direction.y() / (up + 0.12f);
+  const float clouds = GradientNoise(0.6 * x, 1.1 * y, seed).value +
+                       0.5f * GradientNoise(1.7 * x, 3.1 * y, seed + 1).value +
+                       0.25f * GradientNoise(5.0 * x, 8.0 * y, seed + 2).value;
+  const float haze = std::exp(-11.0f * up);
+  const Colour blue(0.52f, 0.60f, 0.70f), grey(0.82f, 0.82f, 0.83f), white(0.98f, 0.96f, 0.93f);
+  const float cover = std::clamp(0.5f + 1.1f * clouds, 0.0f, 1.0f);
+  Colour sky = blue + cover * (grey - blue);
+  sky += haze * (white - sky);
+  const float glow = std::pow(std::max(0.0f, direction.dot(sun)), 24.0f);
+  return sky + 1.6f * glow * Colour(1.0f, 0.95f, 0.85f);
+}
+
+// What a pixel covers on a surface: its longer axis, and the width across it.
+struct Footprint {
+  Eigen::Vector3f along = Eigen::Vector3f::Zero();
+  float along_m = 0.0f, across_m = 0.0f;
+
+  int Samples() const {
+    return std::clamp(static_cast<int>(along_m / (1.4f * across_m) + 0.5f), 1, kMostSamples);
+  }
+};
+
+Footprint Cover(const Eigen::Vector3f& direction, const Steps& steps, const Eigen::Vector3f& normal,
+                float distance_m) {
+  const float facing = std::min(normal.dot(direction), -0.03f);
+  std::array<Eigen::Vector3f, 2> spans;
+  for (int i = 0; i < 2; ++i) {
+    spans[i] = distance_m * (steps[i] - normal.dot(steps[i]) / facing * direction);
+  }
+  // Axes of the ellipse that the two spans make: half the angle whose double has this sine and
+  // cosine.
+  const float a = spans[0].squaredNorm(), b = spans[0].dot(spans[1]), c = spans[1].squaredNorm();
+  const float twice_cos = a - c, twice_sin = 2.0f * b;
+  const float length = std::max(std::sqrt(twice_cos * twice_cos + twice_sin * twice_sin), 1e-30f);
+  const float cosine = std::sqrt(std::max(0.0f, 0.5f + 0.5f * twice_cos / length)),
+              sine = std::copysign(std::sqrt(std::max(0.0f, 0.5f - 0.5f * twice_cos / length)),
+                                   twice_sin);
+  const Eigen::Vector3f major = cosine * spans[0] + sine * spans[1],
+                        minor = cosine * spans[1] - sine * spans[0];
+  return {major, major.norm(), std::max(minor.norm(), 1e-6f)};
+}
+
+}  // namespace
+
+// One call of Render.
+class ViewRenderer::View {
+ public:
+  View(const ViewRenderer& renderer, const Rigid3& world_from_camera,
+       std::span<const PlacedBody> bodies)
+      : rays_(renderer.rays_),
+        columns_(renderer.camera_.width + 2),
+        parts_(renderer.world_.parts()),
+        sun_(parts_.options.SunDirection().cast<float>()),
+        seed_(parts_.look_seed),
+        contrast_(static_cast<float>(parts_.options.contrast)),
+        rotation_(world_from_camera.rotation.toRotationMatrix().cast<float>()),
+        origin_(world_from_camera.translation.cast<float>()),
+        bodies_(bodies) {
+    for (const PlacedBody& body : bodies) {
+      const Rigid3 body_from_world = body.world_from_body.Inverse();
+      turns_.push_back(body_from_world.rotation.toRotationMatrix().cast<float>());
+      shifts_.push_back(body_from_world.translation.cast<float>());
+    }
+  }
+
+  struct Sample {
+    Colour colour = Colour::Zero();
+    float nearness = 0.0f;           // 1 / distance
+    std::uint32_t thing = kNoThing;  // differs between things that an edge may lie between
+  };
+
+  // At a place in the image, in pixels.
+  Sample At(float column, float row) const {
+    const int x = static_cast<int>(std::floor(column)), y = static_cast<int>(std::floor(row));
+    const Eigen::Vector3f direction = rotation_ * RayAt(column, row);
+    return Look(direction, parts_.scene.Cast({origin_, direction}), StepsAt(x, y));
+  }
+
+  // The centres of the pixels of a row.
+  void Row(int row, std::span<Sample> samples) const {
+    const int width = static_cast<int>(samples.size());
+    for (int first = 0; first < width; first += 8) {
+      RayScene::Directions directions;
+      for (int i = 0; i < 8; ++i) {
+        directions[i] = rotation_ * RayOf(std::min(first + i, width - 1), row);
+      }
+      const auto hits = parts_.scene.Cast(origin_, directions);
+      for (int i = 0; i < std::min(8, width - first); ++i) {
+        samples[first + i] = Look(directions[i], hits[i], StepsAt(first + i, row));
+      }
+    }
+  }
+
+ private:
+  const Eigen::Vector3f& RayOf(int column, int row) const {
+    return rays_[static_cast<std::size_t>(row + 1) * columns_ + column + 1];
+  }
+  Eigen::Vector3f RayAt(float column, float row) const {
+    const float x = std::floor(column), y = std::floor(row), u = column - x, v = row - y;
+    const int ix = static_cast<int>(x), iy = static_cast<int>(y);
+    if (u == 0.0f && v == 0.0f) return RayOf(ix, iy);
+    return ((1.0f - v) * ((1.0f - u) * RayOf(ix, iy) + u * RayOf(ix + 1, iy)) +
+            v * ((1.0f - u) * RayOf(ix, iy + 1) + u * RayOf(ix + 1, iy + 1)))
+        .normalized();
+  }
+
+  // From a pixel's ray to its neighbours' to the right and below.
+  Steps StepsAt(int column, int row) const {
+    const Eigen::Vector3f& here = RayOf(column, row);
+    return {rotation_ * (RayOf(column + 1, row) - here),
+            rotation_ * (RayOf(column, row + 1) - here)};
+  }
+
+  Ray InBody(std::size_t i, const Eigen::Vector3f& origin, const Eigen::Vector3f& direction) const {
+    return {turns_[i] * origin + shifts_[i], turns_[i] * direction};
+  }
+
+  bool BodiesShade(const Eigen::Vector3f& place) const {
+    for (std::size_t i = 0; i < bodies_.size(); ++i) {
+      if (bodies_[i].body->scene.IsOccluded(InBody(i, place, sun_))) return true;
+    }
+    return false;
+  }
+
+  Sample Look(const Eigen::Vector3f& direction, const std::optional<RayHit>& hit,
+              const Steps& steps) const {
+    float distance_m = hit ? hit->distance : kSky_m;
+    std::optional<Sample> body;
+    for (std::size_t i = 0; i < bodies_.size(); ++i) {
+      Ray ray = InBody(i, origin_, direction);
+      ray.last = distance_m;
+      if (const auto body_hit = bodies_[i].body->scene.Cast(ray)) {
+        distance_m = body_hit->distance;
+        body = OnBody(i, *body_hit);
+      }
+    }
+    if (body) return *body;
+    if (!hit) return {SkyColour(direction, sun_, seed_), 0.0f, kNoThing};
+    Eigen::Vector3f normal = hit->normal.normalized();
+    if (normal.dot(direction) > 0.0f) normal = -normal;
+    const Eigen::Vector3f place = origin_ + distance_m * direction;
+    const bool is_sand = hit->geometry == parts_.sand_geometry;
+    // The mean slope is what a pixel of sand covers; single facets would make it flicker.
+    const Footprint cover =
+        Cover(direction, steps, is_sand ? Eigen::Vector3f::UnitZ().eval() : normal, distance_m);
+    const Colour lit = is_sand ? OnSand(*hit, place, cover) : OnSolid(*hit, place, cover);
+    return {InHaze(lit, distance_m), 1.0f / distance_m, ThingAt(*hit)};
+  }
+
+  std::uint32_t ThingAt(const RayHit& hit) const {
+    if (hit.geometry == parts_.sand_geometry) return hit.geometry;
+    const LitMesh& solid = *parts_.SolidOf(hit.geometry);
+    return hit.geometry + 16u * (1u + solid.piece[solid.mesh.triangles[hit.facet][0]]);
+  }
+
+  static Colour InHaze(const Colour& colour, float distance_m) {
+    const float haze = 1.0f - std::exp(-distance_m / 2500.0f);
+    return colour + haze * (Colour(0.92f, 0.93f, 0.94f) - colour);
+  }
+
+  Colour Lit(const rigmap::Look& look, Light light, const Eigen::Vector3f& place) const {
+    if (!bodies_.empty() && light.visible > 0.0f &&
+        BodiesShade(place + Eigen::Vector3f(0.0f, 0.0f, kLift_m))) {
+      light.sun = light.visible = 0.0f;
+    }
+    // Small relief tilts the surface; it faces the sky a little less on the whole.
+    const float tilt = -look.slope.dot(sun_.head<2>());
+    const float sun = std::max(0.0f, light.sun + light.visible * tilt);
+    const float sky = light.sky * (1.0f - 0.15f * std::min(1.0f, look.slope.squaredNorm()));
+    return look.albedo.cwiseProduct(sun * kSun + sky * kSky);
+  }
+
+  Colour OnSand(const RayHit& hit, const Eigen::Vector3f& place, const Footprint& cover) const {
+    const int samples = cover.Samples();
+    const float extent_m = std::max(cover.across_m, cover.along_m / static_cast<float>(samples));
+    const bool is_dune = place.x() > Terrain::kHinterland_m;
+    Colour sum = Colour::Zero();
+    for (int i = 0; i < samples; ++i) {
+      const float share = (static_cast<float>(i) + 0.5f) / static_cast<float>(samples) - 0.5f;
+      const Eigen::Vector3f at = place + share * cover.along;
+      const Eigen::Vector2d flat = at.head<2>().cast<double>();
+      const SandState sand = parts_.sand->At(hit.facet, flat, extent_m);
+      sum += Lit(is_dune ? DuneLook(flat, extent_m, seed_)
+                         : SandLook(flat, extent_m, sand.tone, contrast_, seed_),
+                 sand.light, at);
+    }
+    return sum / static_cast<float>(samples);
+  }
+
+  Colour OnSolid(const RayHit& hit, const Eigen::Vector3f& place, const Footprint& cover) const {
+    const LitMesh& solid = *parts_.SolidOf(hit.geometry);
+    const auto& [a, b, c] = solid.mesh.triangles[hit.facet];
+    const float u = hit.u, v = hit.v, w = 1.0f - u - v;
+    const Light &la = solid.light[a], &lb = solid.light[b], &lc = solid.light[c];
+    const Light light{w * la.sun + u * lb.sun + v * lc.sun,
+                      w * la.visible + u * lb.visible + v * lc.visible,
+                      w * la.sky + u * lb.sky + v * lc.sky};
+    const float extent_m = std::max(cover.across_m, cover.along_m / 2.0f);
+    rigmap::Look look{solid.albedo[a]};
+    if (solid.kind == SurfaceKind::kSea) {
+      look = SeaLook(place.head<2>().cast<double>(), extent_m, seed_);
+    } else if (solid.kind == SurfaceKind::kRock) {
+      look.albedo *= RockTone(place.cast<double>(), extent_m, contrast_, seed_ + 5);
+    }
+    return Lit(look, light, place);
+  }
+
+  Sample OnBody(std::size_t i, const RayHit& hit) const {
+    const Body& body = *bodies_[i].body;
+    const Eigen::Vector3f normal = (turns_[i].transpose() * hit.normal).normalized();
+    const Colour light =
+        std::max(0.0f, normal.dot(sun_)) * kSun + 0.5f * (1.0f + normal.z()) * kSky;
+    const Colour colour = body.albedo[body.mesh.triangles[hit.facet][0]].cwiseProduct(light);
+    return {colour, 1.0f / std::max(hit.distance, 1e-3f),
+            kFirstBody + static_cast<std::uint32_t>(i % 8)};
+  }
+
+  const std::vector<Eigen::Vector3f>& rays_;
+  int columns_;
+  const World::Parts& parts_;
+  Eigen::Vector3f sun_;
+  std::uint32_t seed_;
+  float contrast_;
+  Eigen::Matrix3f rotation_;
+  Eigen::Vector3f origin_;
+  std::span<const PlacedBody> bodies_;
+  std::vector<Eigen::Matrix3f> turns_;  // body_from_world, in single precision
+  std::vector<Eigen::Vector3f> shifts_;
+};
+
+ViewRenderer::ViewRenderer(const World& world, const Camera& camera)
+    : world_(world), camera_(camera) {
+  rays_.reserve(static_cast<std::size_t>(camera.width + 2) * (camera.height + 2));
+  for (int row = -1; row <= camera.height; ++row) {
+    for (int column = -1; column <= camera.width; ++column) {
+      const auto ray = Undistort(camera, Eigen::Vector2d(column, row));
+      if (!ray) {
+        throw DataError(
+            fmt::format("camera: expected a distortion that can be undone in all of {} x "
+                        "{} pixels, found that it cannot at ({}, {})",
+                        camera.width, camera.height, column, row));
+      }
+      rays_.push_back(ray->homogeneous().normalized().cast<float>());
+    }
+  }
+}
+
+cv::Mat ViewRenderer::Render(const Rigid3& world_from_camera,
+                             std::span<const PlacedBody> bodies) const {
+  const View view(*this, world_from_camera, bodies);
+  const int width = camera_.width, height = camera_.height;
+  std::vector<View::Sample> samples(static_cast<std::size_t>(width) * height);
+  for (int row = 0; row < height; ++row) {
+    view.Row(row, std::span(samples).subspan(static_cast<std::size_t>(row) * width, width));
+  }
+  // An edge passes where the neighbours are of other things, or do not lie on one plane.
+  const auto is_edge = [&](int at, int step) {
+    constexpr float kBend = 0.02f;
+    const View::Sample &here = samples[at], &before = samples[at - step],
+                       &after = samples[at + step];
+    return here.thing != before.thing || here.thing != after.thing ||
+           std::abs(before.nearness + after.nearness - 2.0f * here.nearness) >
+               kBend * here.nearness;
+  };
+  constexpr std::array<std::array<float, 2>, 4> kOffsets{
+      {{-0.125f, -0.375f}, {0.375f, -0.125f}, {0.125f, 0.375f}, {-0.375f, 0.125f}}};
+  cv::Mat image(height, width, CV_32FC3);
+  for (int row = 0; row < height; ++row) {
+    auto* pixels = image.ptr<cv::Vec3f>(row);
+    for (int column = 0; column < width; ++column) {
+      const int at = row * width + column;
+      Colour colour = samples[at].colour;
+      const bool inside = row > 0 && column > 0 && row < height - 1 && column < width - 1;
+      if (inside && (is_edge(at, 1) || is_edge(at, width))) {
+        colour.setZero();
+        for (const auto& [x, y] : kOffsets) {
+          colour +=
+              0.25f * view.At(static_cast<float>(column) + x, static_cast<float>(row) + y).colour;
+        }
+      }
+      pixels[column] = cv::Vec3f(colour.x(), colour.y(), colour.z());
+    }
+  }
+  return image;
+}
+
+}  // namespace rigmap

@@ -1,0 +1,118 @@
+// The command line of the traverse simulator.
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <tbb/global_control.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <opencv2/core.hpp>
+#include <string>
+#include <thread>
+
+#include "core/config_file.h"
+#include "core/error.h"
+#include "core/file.h"
+#include "core/progress.h"
+#include "dataset/rig_file.h"
+#include "simulation/faults.h"
+#include "simulation/rover_path.h"
+#include "simulation/scene_options.h"
+#include "simulation/simulate_part.h"
+
+namespace rigmap {
+namespace {
+
+namespace fs = std::filesystem;
+constexpr int kExitFailed = 1, kExitUsage = 2;
+
+struct Arguments {
+  SimulationRequest request;
+  std::string rig, out;
+  int threads = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  bool force = false, quiet = false;
+};
+
+void AddOptions(CLI::App& app, Arguments& a) {
+  SimulationRequest& r = a.request;
+  app.add_option("--scene", r.scene, fmt::format("{}", fmt::join(kSceneNames, ", ")))->required();
+  app.add_option("--path", r.path, fmt::format("{}", fmt::join(kPathNames, ", ")))->required();
+  app.add_option("--pairs", r.pairs, "Pairs of images to drive through")->required();
+  app.add_option("--spacing", r.spacing_m,
+                 "Metres from pair to pair: 0.2 as in Katwijk's traverse "
+                 "3, 0.63 as in 1 and 2")
+      ->required();
+  app.add_option("--seed", r.seed, "Equal seeds give equal bytes")->required();
+  app.add_option("--fault", r.faults, "NAME=VALUE, see below; may be repeated")
+      ->allow_extra_args(false);
+  app.add_option("--out", a.out, "Folder for data/ and truth/")->required();
+  app.add_option("--rig", a.rig, "Rig file; default: LocCam");
+  app.add_option("--contrast", r.contrast, "Factor on the sand's and rocks' texture")
+      ->capture_default_str();
+  app.add_option("--interval", r.interval_s, "Seconds from pair to pair")->capture_default_str();
+  app.add_option("--clock-offset", r.clock_offset_s,
+                 "Seconds by which GPS stamps are later than the images' clock")
+      ->capture_default_str();
+  app.add_option("--traverse", r.traverse, "Traverse to call it")->capture_default_str();
+  app.add_option("--part", r.part, "Part to call it")->capture_default_str();
+  app.add_option("--depth-every", r.depth_every, "Frames from one true depth map to the next")
+      ->capture_default_str();
+  app.add_option("--markers", r.markers, "Discs in the sand to check the cameras with")
+      ->capture_default_str();
+  app.add_option("--threads", a.threads, "Threads; default: one per core");
+  app.add_flag("--force", a.force, "Replace the output folder, whatever it holds");
+  app.add_flag("--quiet", a.quiet, "No progress, errors only");
+  app.footer("Faults:\n" + DescribeFaultNames());
+}
+
+void RequireUsableFolder(const fs::path& out, bool force) {
+  if (!fs::exists(out) || force) return;
+  if (!fs::is_directory(out)) {
+    throw DataError(fmt::format("{}: expected a folder or nothing, found a file", out.string()));
+  }
+  if (!fs::is_empty(out)) {
+    throw DataError(fmt::format(
+        "{}: expected an empty folder or nothing, found files; --force replaces it", out.string()));
+  }
+}
+
+int Main(int argc, char** argv) {
+  CLI::App app("Simulates a rover's stereo drive over a beach: data in Katwijk's form, and truth",
+               "rigmap-simulate");
+  Arguments a;
+  AddOptions(app, a);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    if (error.get_exit_code() == 0) return app.exit(error);  // --help
+    throw UsageError(fmt::format("{} (--help lists what there is)", error.what()));
+  }
+  if (a.threads < 1) {
+    throw UsageError(fmt::format("--threads: expected 1 or more, found {}", a.threads));
+  }
+  a.request.Validate();
+  RequireUsableFolder(a.out, a.force);
+  SetProgressQuiet(a.quiet);
+  a.request.rig = ReadRigFile(a.rig.empty() ? ConfigFile("rigs/loccam.yaml") : fs::path(a.rig));
+  const tbb::global_control threads(tbb::global_control::max_allowed_parallelism,
+                                    static_cast<std::size_t>(a.threads));
+  cv::setNumThreads(1);
+  WriteFolderAtomically(a.out, [&](const fs::path& folder) { SimulatePart(a.request, folder); });
+  return 0;
+}
+
+}  // namespace
+}  // namespace rigmap
+
+int main(int argc, char** argv) {
+  try {
+    return rigmap::Main(argc, argv);
+  } catch (const rigmap::UsageError& error) {
+    fmt::print(stderr, "rigmap-simulate: {}\n", error.what());
+    return rigmap::kExitUsage;
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "rigmap-simulate: {}\n", error.what());
+    return rigmap::kExitFailed;
+  }
+}
