@@ -135,6 +135,21 @@ class Adjuster {
     return counts;
   }
 
+  // Sigmas grown along and about the left camera's axes, correlations kept.
+  std::vector<Matrix6d> InflatedCovariances(const CameraSystemResult& system) const {
+    std::vector<Matrix6d> covariances = system.covariances;
+    for (std::size_t i = 0; i < covariances.size(); ++i) {
+      if (!bundle_.left_from_world[i]) continue;
+      Matrix6d left_from_world = Matrix6d::Zero();
+      left_from_world.topLeftCorner<3, 3>() = left_from_world.bottomRightCorner<3, 3>() =
+          bundle_.left_from_world[i]->rotation.toRotationMatrix();
+      const Matrix6d grow =
+          left_from_world.transpose() * system.inflations[i].asDiagonal() * left_from_world;
+      covariances[i] = grow * covariances[i] * grow.transpose();
+    }
+    return covariances;
+  }
+
   Adjustment Result() {
     Adjustment result;
     result.observation_counts = ObservationsPerFrame();
@@ -150,7 +165,7 @@ class Adjuster {
         SolveCameraSystem(bundle_.points, bundle_.left_from_world, bundle_.rig, noise_px_,
                           options_.huber_sigmas * noise_px_);
     result.anchors = std::move(system.anchors);
-    result.covariances = std::move(system.covariances);
+    result.covariances = InflatedCovariances(system);
     result.calibration = system.calibration;
     result.right_from_left = bundle_.rig.right_from_left;
     for (const auto& pose : bundle_.left_from_world) {

@@ -22,8 +22,8 @@ struct AdjustmentInput {
 
 struct Adjustment {
   std::vector<std::optional<Rigid3>> world_from_left;  // in the gauge of the input
-  std::vector<int> anchors;                            // as in CameraSystemResult
-  std::vector<Matrix6d> covariances;                   // as in CameraSystemResult
+  std::vector<int> anchors;                            // CameraSystemResult's, inflated
+  std::vector<Matrix6d> covariances;                   // CameraSystemResult's, inflated
   std::vector<int> observation_counts;                 // per frame, after the last cull
   std::vector<AdjustedPoint> points;
   Rigid3 right_from_left;        // as calibrated, unless refined

@@ -8,6 +8,7 @@
 
 #include "adjustment/anchor_frames.h"
 #include "adjustment/reprojection.h"
+#include "adjustment/score_clusters.h"
 #include "adjustment/selected_inverse.h"
 
 namespace rigmap {
@@ -15,6 +16,7 @@ namespace {
 
 constexpr int kShared = 4;  // right eye's rotation, common focal factor
 constexpr double kUnknownVariance = 1e6;
+using Factor = Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>>;
 using SharedMatrix = Eigen::Matrix<double, kShared, kShared>;
 using PoseShared = Eigen::Matrix<double, 6, kShared>;
 using SharedPoint = Eigen::Matrix<double, kShared, 3>;
@@ -36,6 +38,9 @@ class ReducedSystem {
     Eigen::Vector3d v_gradient = Eigen::Vector3d::Zero();
     SharedPoint shared_point = SharedPoint::Zero();
     std::map<int, PosePoint> pose_point;
+    std::map<int, Vector6d> pose_score;
+    coordinates_ += 2.0 * static_cast<double>(point.observations.size());
+    point_unknowns_ += 3.0;
     for (const PointObservation& observation : point.observations) {
       const auto at =
           Reproject(rig, observation.eye, rig.right_from_left, *poses[observation.frame], point.x);
@@ -57,8 +62,11 @@ class ReducedSystem {
       block->second += weight * j.pose.transpose() * j.point;
       Block(unknown, unknown) += weight * j.pose.transpose() * j.pose;
       pose_shared_[unknown] += weight * j.pose.transpose() * shared;
-      pose_gradient_[unknown] += weight * j.pose.transpose() * residual;
+      pose_score.try_emplace(unknown, Vector6d::Zero()).first->second +=
+          weight * j.pose.transpose() * residual;
     }
+    for (const auto& [unknown, score] : pose_score) pose_gradient_[unknown] += score;
+    AddCluster(pose_score, pose_point, v.inverse() * v_gradient);
     Eliminate(v, v_gradient, shared_point, pose_point);
   }
 
@@ -81,6 +89,17 @@ class ReducedSystem {
     return blocks_.try_emplace({row, column}, Matrix6d::Zero()).first->second;
   }
 
+  // A track is a cluster: all its positions are aligned with one patch, or with each other's.
+  void AddCluster(const std::map<int, Vector6d>& pose_score,
+                  const std::map<int, PosePoint>& pose_point, const Eigen::Vector3d& point_step) {
+    if (!point_step.allFinite()) return;
+    std::vector<ScoreClusters::Score> scores;
+    for (const auto& [unknown, score] : pose_score) {
+      scores.emplace_back(unknown, score - pose_point.at(unknown) * point_step);
+    }
+    clusters_.Add(std::move(scores));
+  }
+
   // Subtracts what the point's own freedom takes away.
   void Eliminate(const Eigen::Matrix3d& v, const Eigen::Vector3d& v_gradient,
                  const SharedPoint& shared_point, const std::map<int, PosePoint>& pose_point) {
@@ -98,8 +117,19 @@ class ReducedSystem {
     shared_gradient_ -= shared_point * inverse * v_gradient;
   }
 
+  // Share of the coordinates' freedom that the unknowns leave.
+  double Redundancy() const {
+    const double unknowns = point_unknowns_ + 6.0 * static_cast<double>(pose_shared_.size());
+    return std::max(0.1, 1.0 - unknowns / std::max(coordinates_, 1.0));
+  }
+
+  std::vector<Vector6d> Inflations(const Factor& factor, const std::vector<Matrix6d>& inverse,
+                                   const std::vector<std::optional<Rigid3>>& poses) const;
+
   std::vector<int> anchors_;
   std::vector<int> unknown_;
+  ScoreClusters clusters_;
+  double coordinates_ = 0.0, point_unknowns_ = 0.0;
   std::map<std::pair<int, int>, Matrix6d> blocks_;  // lower triangle
   std::vector<PoseShared> pose_shared_;
   std::vector<Vector6d> pose_gradient_;
@@ -132,13 +162,51 @@ Matrix6d WorldFromPerturbation(const Rigid3& left_from_world) {
   return jacobian;
 }
 
+// In left camera axes.
+Matrix6d LeftFromPerturbation(const Rigid3& left_from_world) {
+  Matrix6d turn = Matrix6d::Zero();
+  turn.topLeftCorner<3, 3>() = left_from_world.rotation.toRotationMatrix();
+  turn.bottomRightCorner<3, 3>() = turn.topLeftCorner<3, 3>();
+  return turn * WorldFromPerturbation(left_from_world);
+}
+
+// Worked out for up to kProbes frames spread over the part, so that time stays linear in its
+// length; the others take the last one's.
+std::vector<Vector6d> ReducedSystem::Inflations(
+    const Factor& factor, const std::vector<Matrix6d>& inverse,
+    const std::vector<std::optional<Rigid3>>& poses) const {
+  constexpr int kProbes = 60;
+  const int unknowns = static_cast<int>(inverse.size()),
+            stride = (unknowns + kProbes - 1) / kProbes;
+  std::vector<Vector6d> inflations(poses.size(), Vector6d::Ones());
+  Vector6d inflation = Vector6d::Ones();
+  int met = 0;
+  for (std::size_t frame = 0; frame < poses.size(); ++frame) {
+    const int unknown = unknown_[frame];
+    if (unknown < 0) continue;
+    if (met++ % stride == 0) {
+      Eigen::MatrixXd unit = Eigen::MatrixXd::Zero(6 * unknowns, 6);
+      unit.middleRows<6>(6 * unknown).setIdentity();
+      const Matrix6d jacobian = LeftFromPerturbation(*poses[frame]);
+      const Matrix6d assumed = jacobian * inverse[unknown] * jacobian.transpose(),
+                     found = jacobian * clusters_.Covariance(factor.solve(unit)) *
+                             jacobian.transpose() / Redundancy();
+      inflation = (found.diagonal().array() / assumed.diagonal().array()).sqrt().max(1.0);
+      if (!inflation.allFinite()) inflation.setOnes();
+    }
+    inflations[frame] = inflation;
+  }
+  return inflations;
+}
+
 CameraSystemResult ReducedSystem::Solve(const std::vector<std::optional<Rigid3>>& poses) const {
   CameraSystemResult result;
   result.anchors = anchors_;
   result.covariances.assign(poses.size(), Matrix6d::Zero());
+  result.inflations.assign(poses.size(), Vector6d::Ones());
   const int unknowns = static_cast<int>(pose_shared_.size());
   if (unknowns == 0) return result;
-  const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> solver(LowerTriangle(blocks_, unknowns));
+  const Factor solver(LowerTriangle(blocks_, unknowns));
   if (solver.info() != Eigen::Success || !(solver.vectorD().minCoeff() > 0.0)) {
     for (std::size_t frame = 0; frame < poses.size(); ++frame) {
       if (unknown_[frame] >= 0) result.covariances[frame].diagonal().setConstant(kUnknownVariance);
@@ -151,6 +219,7 @@ CameraSystemResult ReducedSystem::Solve(const std::vector<std::optional<Rigid3>>
     const Matrix6d jacobian = WorldFromPerturbation(*poses[frame]);
     result.covariances[frame] = jacobian * inverse[unknown_[frame]] * jacobian.transpose();
   }
+  result.inflations = Inflations(solver, inverse, poses);
   Eigen::MatrixXd coupling(6 * unknowns, kShared);
   Eigen::VectorXd gradient(6 * unknowns);
   for (int i = 0; i < unknowns; ++i) {

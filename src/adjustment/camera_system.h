@@ -31,8 +31,12 @@ struct CameraSystemResult {
   std::vector<int> anchors;
   // Of world_from_left relative to the frame's anchor, in the axes of the adjustment's world:
   // translation (m), then rotation (rad). Zero for anchors; 1e6 on the diagonal where the system is
-  // singular.
+  // singular. As if all observations were independent.
   std::vector<Matrix6d> covariances;
+  // Per frame, by how much sigmas grow, along and about the left camera's axes, because residuals
+  // of one track go together (ScoreClusters): at least 1. Noise that all observations of a frame
+  // share leaves no trace in the residuals and is not in it.
+  std::vector<Vector6d> inflations;
   std::optional<CalibrationStep> calibration;  // nothing where the system cannot tell
 };
 

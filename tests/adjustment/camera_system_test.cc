@@ -154,5 +154,32 @@ TEST_F(CameraSystemTest, ResidualsBeyondHubersLimitCountForLess) {
   EXPECT_NEAR(Solve(0.2, 20.0).covariances[4].trace(), plain, 1e-9 * plain);
 }
 
+TEST_F(CameraSystemTest, SigmasOfIndependentNoiseNeedNoInflation) {
+  Make({.frames = 12, .points_per_m2 = 20.0, .pixel_sigma = 0.2, .seed = 58});
+  const CameraSystemResult result = Solve(0.2);
+  for (int frame = 1; frame < 12; ++frame) {
+    EXPECT_GE(result.inflations[frame].minCoeff(), 1.0);
+    EXPECT_LT(result.inflations[frame].maxCoeff(), 1.5);
+  }
+}
+
+// Every track drifts in the image like a random walk: as many observations tell less.
+TEST_F(CameraSystemTest, TracksThatDriftInflateSigmas) {
+  Make({.frames = 12, .points_per_m2 = 20.0, .pixel_sigma = 0.0, .seed = 59});
+  SeededRandom random;
+  for (AdjustedPoint& point : points_) {
+    Eigen::Vector2d drift = Eigen::Vector2d::Zero();
+    int frame = point.observations.front().frame;
+    for (PointObservation& o : point.observations) {
+      if (o.frame != frame) drift += random.Noise(0.1).head<2>();
+      frame = o.frame;
+      o.pixel += drift;
+    }
+  }
+  const CameraSystemResult result = Solve(0.1);
+  EXPECT_GT(result.inflations[11].mean(), 1.5);
+  EXPECT_GT(result.inflations[6].mean(), 1.3);
+}
+
 }  // namespace
 }  // namespace rigmap
