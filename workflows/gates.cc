@@ -50,6 +50,20 @@ void JudgeBaseline(const GateInputs& inputs, const GateOptions& options, Gates& 
                    "share of keyframes in the model used"});
 }
 
+void JudgePrediction(const GateInputs& inputs, const GateOptions& options, Gates& gates) {
+  std::size_t predicted = 0;
+  for (std::size_t i = 0; i < inputs.odometry.size(); ++i) {
+    const bool is_guess = inputs.odometry[i].source == PoseSource::kPredicted;
+    if (is_guess && !inputs.adjustment.world_from_left[i]) ++predicted;
+  }
+  std::optional<double> share;
+  if (!inputs.odometry.empty()) {
+    share = static_cast<double>(predicted) / static_cast<double>(inputs.odometry.size());
+  }
+  gates.push_back(AtMost("predicted", share, options.predicted,
+                         "share of frames whose pose was guessed, nothing in them being measured"));
+}
+
 struct StepDifference {
   double sigmas = 0.0, pct = 0.0;
 };
@@ -162,6 +176,7 @@ OptionFields GateOptions::Fields() {
   return {{"baseline_spread", &baseline_spread},
           {"baseline_rejected", &baseline_rejected},
           {"registered", &registered},
+          {"predicted", &predicted},
           {"motion_agreement_sigmas", &motion_agreement_sigmas},
           {"motion_agreement_pct", &motion_agreement_pct},
           {"reprojection_px", &reprojection_px},
@@ -184,6 +199,7 @@ void GateOptions::Validate() const {
 Gates JudgePart(const GateInputs& inputs, const GateOptions& options) {
   Gates gates;
   JudgeBaseline(inputs, options, gates);
+  JudgePrediction(inputs, options, gates);
   JudgeMotion(inputs, options, gates);
   const bool adjusted = !inputs.adjustment.points.empty();
   const auto if_adjusted = [&](double value) {

@@ -20,6 +20,9 @@ struct GateOptions {
   double baseline_rejected = 0.2;
   // Share of keyframes that must be posed by the mapper.
   double registered = 0.9;
+  // Share of frames that nothing measured. A black image or two may be bridged; where more than a
+  // fifth of the trajectory is guessed it is not a measurement any more.
+  double predicted = 0.2;
   // Mapped against odometric steps: their difference in sigmas of the odometry (whose sigmas know
   // nothing of the motion of whole image regions, hence not 3), and in per cent of the step. A step
   // fails only if it is beyond both; the gate, if a tenth of the steps fails.

@@ -162,6 +162,14 @@ int Main(int argc, char** argv) {
   return RunPart(part, std::move(command));
 }
 
+// One line, whatever input or other programs have put into the sentence.
+void SayLast(std::string sentence) {
+  std::replace_if(
+      sentence.begin(), sentence.end(),
+      [](unsigned char character) { return character < ' ' || character == 0x7f; }, ' ');
+  fmt::print(stderr, "rigmap: {}\n", sentence);
+}
+
 }  // namespace
 }  // namespace rigmap
 
@@ -169,10 +177,13 @@ int main(int argc, char** argv) {
   try {
     return rigmap::Main(argc, argv);
   } catch (const rigmap::UsageError& error) {
-    fmt::print(stderr, "rigmap: {}\n", error.what());
+    rigmap::SayLast(error.what());
     return rigmap::kExitUsage;
+  } catch (const std::filesystem::filesystem_error& error) {
+    rigmap::SayLast(fmt::format("{}: {}", error.path1().string(), error.code().message()));
+    return rigmap::kExitFailed;
   } catch (const std::exception& error) {
-    fmt::print(stderr, "rigmap: {}\n", error.what());
+    rigmap::SayLast(error.what());
     return rigmap::kExitFailed;
   }
 }

@@ -62,6 +62,10 @@ std::vector<fs::path> OutputLayout::PublishedBy(const std::string& stage) const 
 OutputLock::OutputLock(const fs::path& root) {
   std::error_code code;
   fs::create_directories(root, code);
+  if (code) {
+    throw DataError(
+        fmt::format("{}: cannot write to the output folder: {}", root.string(), code.message()));
+  }
   const fs::path path = root / kLockName;
   descriptor_ = open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
   if (descriptor_ < 0) {
@@ -117,6 +121,7 @@ void RequireInputElsewhere(const OutputLayout& layout, const Dataset& dataset) {
 void ClaimOutput(const OutputLayout& layout, const std::string& identity, bool force) {
   RequireOwnOutput(layout, identity, force);
   if (force) Empty(layout.root);
+  for (const char* name : {"summary.json", "config.yaml"}) fs::remove(layout.root / name);
   WriteFileAtomically(layout.root / kIdentityName,
                       [&](std::ostream& stream) { stream << identity << '\n'; });
 }

@@ -57,7 +57,8 @@ void RequireOwnOutput(const OutputLayout& layout, const std::string& identity, b
 void RequireInputElsewhere(const OutputLayout& layout, const Dataset& dataset);
 
 // Marks the locked folder as that of `identity`, after RequireOwnOutput; with `force` everything in
-// it but the lock is removed first.
+// it but the lock is removed first. An earlier run's summary.json and config.yaml are removed:
+// while they are missing, a run is at work or was killed.
 void ClaimOutput(const OutputLayout& layout, const std::string& identity, bool force);
 
 }  // namespace rigmap

@@ -58,17 +58,12 @@ void Assign(const std::string& assignment, const Sections& sections) {
 }  // namespace
 
 std::vector<std::pair<std::string, OptionFields>> PartOptions::Sections() {
-  return {{"masks", masks.Fields()},
-          {"features", features.Fields()},
-          {"odometry", odometry.Fields()},
-          {"matching", matching.Fields()},
-          {"mapping", mapping.Fields()},
-          {"scale", scale.Fields()},
-          {"adjustment", adjustment.Fields()},
-          {"dense", dense.Fields()},
-          {"fusion", fusion.Fields()},
-          {"evaluation", evaluation.Fields()},
-          {"gates", gates.Fields()}};
+  return {{"masks", masks.Fields()},           {"features", features.Fields()},
+          {"odometry", odometry.Fields()},     {"matching", matching.Fields()},
+          {"colmap", colmap.Fields()},         {"mapping", mapping.Fields()},
+          {"scale", scale.Fields()},           {"adjustment", adjustment.Fields()},
+          {"dense", dense.Fields()},           {"fusion", fusion.Fields()},
+          {"evaluation", evaluation.Fields()}, {"gates", gates.Fields()}};
 }
 
 void PartOptions::Validate() const {
@@ -76,6 +71,7 @@ void PartOptions::Validate() const {
   features.Validate();
   odometry.Validate();
   matching.Validate();
+  colmap.Validate();
   mapping.Validate();
   scale.Validate();
   adjustment.Validate();

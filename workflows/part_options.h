@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "adjustment/adjustment_options.h"
+#include "colmap/installation.h"
 #include "dense/dense_options.h"
 #include "evaluation/trajectory_metrics.h"
 #include "features/feature_options.h"
@@ -26,6 +27,7 @@ struct PartOptions {
   FeatureOptions features;
   OdometryOptions odometry;
   MatchingOptions matching;
+  ColmapOptions colmap;
   MappingOptions mapping;
   ScaleOptions scale;
   AdjustmentOptions adjustment;

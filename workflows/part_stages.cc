@@ -1,6 +1,7 @@
 #include "workflows/part_stages.h"
 
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
@@ -80,6 +81,13 @@ FeatureIndex PartStages::Extract(const Dataset& dataset) const {
       .name = "features",
       .options = options,
       .make = [&] { return ExtractAll(dataset, options); },
+      .report =
+          [&](const FeatureIndex& index) {
+            for (const auto& path : index.unreadable_images) {
+              spdlog::warn("{}: cannot be read as an image, its frame shows nothing", path);
+            }
+            summary_.AddUnreadableImages(index.unreadable_images);
+          },
       .published = files,
   });
 }
@@ -91,6 +99,7 @@ FeatureIndex PartStages::ExtractAll(const Dataset& dataset, const std::string& o
   FeatureIndex index;
   index.keys.resize(dataset.frames.size());
   std::vector<std::optional<float>> epipolar(dataset.frames.size());
+  std::vector<std::vector<std::string>> unreadable(dataset.frames.size());
   Progress progress("features", dataset.frames.size());
   tbb::parallel_for(std::size_t{0}, dataset.frames.size(), [&](std::size_t i) {
     const StereoFrame& frame = dataset.frames[i];
@@ -105,10 +114,15 @@ FeatureIndex PartStages::ExtractAll(const Dataset& dataset, const std::string& o
     if (!features->epipolar_errors_px.empty()) {
       epipolar[i] = MedianAbsolute(features->epipolar_errors_px);
     }
+    unreadable[i] = std::move(features->unreadable_images);
     progress.Advance();
   });
-  for (const auto& error : epipolar) {
-    if (error) index.epipolar_px.push_back(*error);
+  for (std::size_t i = 0; i < dataset.frames.size(); ++i) {
+    if (epipolar[i]) index.epipolar_px.push_back(*epipolar[i]);
+    if (unreadable[i].empty()) continue;
+    index.unreadable_frames.push_back(static_cast<int>(i));
+    index.unreadable_images.insert(index.unreadable_images.end(), unreadable[i].begin(),
+                                   unreadable[i].end());
   }
   return index;
 }

@@ -26,10 +26,12 @@ inline constexpr std::size_t kMinMappedKeyframes = 3;
 struct FeatureIndex {
   std::vector<std::string> keys;   // of each frame's own artefact
   std::vector<float> epipolar_px;  // median absolute error per frame that has any
+  std::vector<int> unreadable_frames;
+  std::vector<std::string> unreadable_images;  // of these frames
 
   template <class Archive>
   void serialize(Archive& archive) {
-    archive(keys, epipolar_px);
+    archive(keys, epipolar_px, unreadable_frames, unreadable_images);
   }
 };
 
@@ -82,7 +84,8 @@ class PartStages {
   AdjustedPart Adjust(const Dataset& dataset, const FeatureIndex& features,
                       const Odometry& odometry, const Correspondences& matches,
                       const KeyframeGraph& graph, const PlacedKeyframes& placed) const;
-  DepthIndex MatchDense(const Dataset& dataset, const AdjustedPart& part) const;
+  DepthIndex MatchDense(const Dataset& dataset, const FeatureIndex& features,
+                        const AdjustedPart& part) const;
   // Leaves dense.ply.
   void Fuse(const Dataset& dataset, const AdjustedPart& part, const DepthIndex& depths) const;
   // Leaves evaluation.json where there is a truth.
@@ -91,7 +94,7 @@ class PartStages {
  private:
   FeatureIndex ExtractAll(const Dataset& dataset, const std::string& options) const;
   DepthIndex MatchAllDense(const Dataset& dataset, const AdjustedPart& part,
-                           const std::string& options) const;
+                           const std::vector<int>& frames, const std::string& options) const;
 
   const PartRequest& request_;
   ColmapInstallation colmap_;

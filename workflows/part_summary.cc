@@ -63,11 +63,24 @@ Json GatesJson(const Gates& gates) {
   return list;
 }
 
+// Paths and other programs' words need not be UTF-8, as JSON must.
+std::string AnyText(const Json& json) {
+  return json.dump(1, ' ', false, Json::error_handler_t::replace);
+}
+
 }  // namespace
 
 void PartSummary::SetDataset(const Dataset& dataset) {
   health_ = dataset.health;
   paired_ = static_cast<int>(dataset.frames.size());
+}
+
+void PartSummary::AddUnreadableImages(const std::vector<std::string>& paths) {
+  if (!health_) health_.emplace();
+  auto& all = health_->unreadable_images;
+  all.insert(all.end(), paths.begin(), paths.end());
+  std::sort(all.begin(), all.end());
+  all.erase(std::unique(all.begin(), all.end()), all.end());
 }
 
 void PartSummary::SetMapping(const MappingResult& mapped) {
@@ -115,7 +128,7 @@ PartResult PartSummary::Write(const StageRunner& run) const {
   summary["command"] = request_.command;
   const auto& root = run.layout().root;
   WriteFileAtomically(root / "summary.json",
-                      [&](std::ostream& stream) { stream << summary.dump(1) << '\n'; });
+                      [&](std::ostream& stream) { stream << AnyText(summary) << '\n'; });
   WriteFileAtomically(root / "config.yaml",
                       [&](std::ostream& stream) { stream << WritePartOptions(request_.options); });
   return result;

@@ -20,6 +20,8 @@ class PartSummary {
   explicit PartSummary(const PartRequest& request) : request_(request) {}
 
   void SetDataset(const Dataset& dataset);
+  // Images that only reading them whole showed to be damaged may be among them.
+  void AddUnreadableImages(const std::vector<std::string>& paths);
   void SetKeyframes(int keyframes) { keyframes_ = keyframes; }
   void SetMapping(const MappingResult& mapped);
   void SetScale(const PlacedKeyframes& placed);

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <opencv2/core.hpp>
 
+#include "colmap/database.h"
 #include "dataset/open_dataset.h"
 #include "export/tum.h"
 #include "workflows/evaluate_part.h"
@@ -38,7 +39,7 @@ void Reconstruct(const Dataset& dataset, const PartStages& stage) {
   const AdjustedPart part = stage.Adjust(dataset, features, odometry, matches, graph, placed);
 
   // depth of the keyframes, fused on the poses -> coloured map
-  const DepthIndex depths = stage.MatchDense(dataset, part);
+  const DepthIndex depths = stage.MatchDense(dataset, features, part);
   stage.Fuse(dataset, part, depths);
   stage.Evaluate(dataset, part);
 }
@@ -57,6 +58,7 @@ Dataset OpenWithTruth(const PartRequest& request) {
 ColmapInstallation FindColmapIfNeeded(const PartRequest& request, PartSummary& summary) {
   if (request.until && ComesBefore(*request.until, "database")) return {};
   ColmapInstallation colmap = FindColmap();
+  colmap.patience_s = request.options.colmap.patience_s;
   summary.SetColmapVersion(colmap.version_text);
   return colmap;
 }
@@ -81,6 +83,7 @@ PartResult ReconstructPart(const PartRequest& request) {
   RequireInputElsewhere(layout, dataset);
   RequireOwnOutput(layout, DatasetIdentity(dataset), request.force);
   const OutputLock lock(layout.root);
+  RequireUnlocked(layout.Database());
   ClaimOutput(layout, DatasetIdentity(dataset), request.force);
   StageRunner run({layout, request.until, request.from, request.quiet});
   PartSummary summary(request);

@@ -82,6 +82,15 @@ void StageRunner::RemoveFrom(const std::string& name) const {
   }
 }
 
+void StageRunner::Discard(const std::string& name) const {
+  try {
+    RemoveFrom(name);
+    std::filesystem::remove_all(plan_.layout.Scratch());
+  } catch (const std::filesystem::filesystem_error& error) {
+    spdlog::warn("what is left of {} cannot be removed: {}", name, error.what());
+  }
+}
+
 bool StageRunner::AllExist(const std::vector<std::filesystem::path>& paths) {
   return std::all_of(paths.begin(), paths.end(),
                      [](const auto& path) { return std::filesystem::exists(path); });

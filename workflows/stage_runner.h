@@ -57,8 +57,8 @@ class StageRunner {
   // The product of a stage: as an earlier run left it, if that was made from the same inputs (all
   // stages before this one) and options and --from does not ask for it anew, else made now and
   // kept. It counts as kept only once it is published, and what this and later stages published
-  // before is removed first: at no moment do files of different products lie side by side. The
-  // stage's messages go to its log file.
+  // before is removed first: at no moment do files of different products lie side by side. A stage
+  // that fails leaves nothing that it published. The stage's messages go to its log file.
   template <class Product>
   Product Run(const Stage<Product>& stage) {
     Begin(stage.name, stage.options);
@@ -69,12 +69,17 @@ class StageRunner {
       product = ReadArtefact<Product>(path, key_);
     }
     const bool reused = product.has_value();
-    if (!reused) {
-      RemoveFrom(stage.name);
-      product = stage.make();
+    try {
+      if (!reused) {
+        RemoveFrom(stage.name);
+        product = stage.make();
+      }
+      if (stage.publish && !(reused && complete)) stage.publish(*product);
+      if (!reused) WriteArtefact(path, key_, *product);
+    } catch (...) {
+      if (!reused) Discard(stage.name);
+      throw;
     }
-    if (stage.publish && !(reused && complete)) stage.publish(*product);
-    if (!reused) WriteArtefact(path, key_, *product);
     if (stage.report) stage.report(*product);
     End(stage.name, reused);
     return std::move(*product);
@@ -90,6 +95,8 @@ class StageRunner {
   void End(const std::string& name, bool reused);
   // The artefact of this stage, and what it and all later ones published.
   void RemoveFrom(const std::string& name) const;
+  // The same, as far as it can be done, after a failure.
+  void Discard(const std::string& name) const;
   static bool AllExist(const std::vector<std::filesystem::path>& paths);
 
   StagePlan plan_;

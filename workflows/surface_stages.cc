@@ -31,8 +31,11 @@ std::optional<double> MedianOfKnown(const std::vector<std::optional<double>>& va
 }
 
 // Frames whose depth goes into the map: keyframes, and all frames where there are hardly any; none
-// that is posed by odometry or prediction with a sigma that the voxels would show.
-std::vector<int> DenseFrames(const Trajectory& trajectory, double voxel_m) {
+// that is posed by odometry or prediction with a sigma that the voxels would show, none that cannot
+// be read.
+std::vector<int> DenseFrames(const Trajectory& trajectory, const FeatureIndex& features,
+                             double voxel_m) {
+  const auto& unreadable = features.unreadable_frames;
   const auto keyframes = std::count_if(trajectory.begin(), trajectory.end(),
                                        [](const TimedPose& pose) { return pose.keyframe; });
   const bool all = keyframes < static_cast<std::ptrdiff_t>(kMinMappedKeyframes);
@@ -42,7 +45,9 @@ std::vector<int> DenseFrames(const Trajectory& trajectory, double voxel_m) {
     const bool sure =
         pose.source == PoseSource::kAdjusted ||
         (pose.source == PoseSource::kOdometry && pose.sigmas.head<3>().maxCoeff() < voxel_m);
-    if (sure && (all || pose.keyframe)) frames.push_back(static_cast<int>(i));
+    const int frame = static_cast<int>(i);
+    if (std::binary_search(unreadable.begin(), unreadable.end(), frame)) continue;
+    if (sure && (all || pose.keyframe)) frames.push_back(frame);
   }
   return frames;
 }
@@ -80,11 +85,14 @@ void PublishCloud(const PointCloud& cloud, const fs::path& path) {
 
 }  // namespace
 
-DepthIndex PartStages::MatchDense(const Dataset& dataset, const AdjustedPart& part) const {
+DepthIndex PartStages::MatchDense(const Dataset& dataset, const FeatureIndex& features,
+                                  const AdjustedPart& part) const {
   const std::string options =
       RIGMAP_VERSION + OptionsText(request_.options.dense) + OptionsText(request_.options.masks);
+  const std::vector<int> frames =
+      DenseFrames(part.trajectory, features, request_.options.fusion.voxel_m);
   std::vector<fs::path> files;
-  for (const int frame : DenseFrames(part.trajectory, request_.options.fusion.voxel_m)) {
+  for (const int frame : frames) {
     files.push_back(run_.layout().DepthOf(dataset.frames[frame]));
   }
   const auto report = [&](const DepthIndex& index) {
@@ -94,16 +102,17 @@ DepthIndex PartStages::MatchDense(const Dataset& dataset, const AdjustedPart& pa
       .name = "dense",
       // The voxel decides which frames are sure enough.
       .options = options + fmt::format("{}", request_.options.fusion.voxel_m),
-      .make = [&] { return MatchAllDense(dataset, part, options); },
+      .make = [&] { return MatchAllDense(dataset, part, frames, options); },
       .report = report,
       .published = files,
   });
 }
 
 DepthIndex PartStages::MatchAllDense(const Dataset& dataset, const AdjustedPart& part,
+                                     const std::vector<int>& frames,
                                      const std::string& options) const {
   DepthIndex index;
-  index.frames = DenseFrames(part.trajectory, request_.options.fusion.voxel_m);
+  index.frames = frames;
   index.keys.resize(index.frames.size());
   const DenseMatcher matcher(dataset.rig, request_.options.dense, request_.options.masks);
   const auto points = PointsInLeft(part.adjustment);

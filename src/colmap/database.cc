@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cstring>
 #include <limits>
 #include <map>
@@ -20,6 +21,7 @@ constexpr std::int64_t kImageLimit = std::numeric_limits<std::int32_t>::max();  
 constexpr int kCalibrated = 2;  // two_view_geometries.config
 constexpr const char* kUnfinished = ".unfinished";
 constexpr int kSqliteBusy = 5, kSqliteLocked = 6;
+constexpr std::array kDatabaseSuffixes{"", "-wal", "-shm", "-journal"};
 
 const std::map<std::string, std::vector<std::string>> kNeededColumns{
     {"cameras", {"camera_id", "model", "width", "height", "params", "prior_focal_length"}},
@@ -172,24 +174,17 @@ void Fill(const std::filesystem::path& path, const ColmapInstallation& colmap,
 // ---- Files ----
 
 void RemoveDatabase(const std::filesystem::path& path) {
-  for (const char* suffix : {"", "-wal", "-shm", "-journal"}) {
-    std::filesystem::remove(path.string() + suffix);
+  std::error_code ignored;
+  for (const char* suffix : kDatabaseSuffixes) {
+    std::filesystem::remove(path.string() + suffix, ignored);
   }
 }
 
-// Replacing a database under another program's hands would lose that program's work.
-void CheckUnlocked(const std::filesystem::path& path) {
-  if (!std::filesystem::exists(path)) return;
-  int code = 0;
-  try {
-    SQLite::Database database(path.string(), SQLite::OPEN_READWRITE);
-    code = database.tryExec("BEGIN EXCLUSIVE");
-  } catch (const SQLite::Exception& error) {
-    code = error.getErrorCode();
-  }
-  Require(code != kSqliteBusy && code != kSqliteLocked, path,
-          "expected a database of our own, found it locked by another program");
-}
+// Removes what a database in the making would leave when it fails.
+struct Unfinished {
+  const std::filesystem::path& path;
+  ~Unfinished() { RemoveDatabase(path); }
+};
 
 DatabaseImage ReadImage(SQLite::Statement& row, const std::filesystem::path& path) {
   DatabaseImage image{.id = row.getColumn(0).getUInt(),
@@ -242,18 +237,34 @@ SparseCamera ReadCamera(SQLite::Statement& row, const std::filesystem::path& pat
 
 }  // namespace
 
+void RequireUnlocked(const std::filesystem::path& path) {
+  std::error_code ignored;
+  if (!std::filesystem::exists(path, ignored)) return;
+  int code = 0;
+  try {
+    SQLite::Database database(path.string(), SQLite::OPEN_READWRITE);
+    code = database.tryExec("BEGIN EXCLUSIVE");
+  } catch (const SQLite::Exception& error) {
+    code = error.getErrorCode();
+  }
+  Require(code != kSqliteBusy && code != kSqliteLocked, path,
+          "expected a database of our own, found it locked by another program");
+}
+
 void WriteDatabase(const ColmapInstallation& colmap, const DatabaseContent& content,
                    const std::filesystem::path& path, const std::filesystem::path& log_path) {
   CheckContent(content, path);
   const std::filesystem::path temporary = path.string() + kUnfinished;
   try {
     if (path.has_parent_path()) std::filesystem::create_directories(path.parent_path());
-    CheckUnlocked(path);
+    RequireUnlocked(path);
     RemoveDatabase(temporary);
+    const Unfinished unfinished{temporary};
     RunTool({.program = colmap.path,
              .arguments = {"database_creator", "--database_path", temporary.string()},
              .log_path = log_path,
-             .environment = {{"GLOG_logtostderr", "1"}}},
+             .environment = {{"GLOG_logtostderr", "1"}},
+             .timeout_without_output_s = colmap.patience_s},
             "creating the database");
     Fill(temporary, colmap, content);
     RemoveDatabase(path);

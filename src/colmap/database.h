@@ -32,13 +32,17 @@ struct DatabaseContent {
   std::vector<DatabasePair> pairs;  // each unordered pair of images at most once
 };
 
+// Throws DataError when another program has locked the database at `path`, if there is one:
+// replacing it would lose that program's work.
+void RequireUnlocked(const std::filesystem::path& path);
+
 // The tables are made by the COLMAP that will read them (`database_creator`), checked, filled in
 // one transaction under a temporary name and renamed to `path`, whose folder is created. Cameras
 // are marked as calibrated; each pair's matches count as verified (two_view_geometries, config 2)
 // and as raw matches. No descriptors are stored. The tool's output is appended to `log_path`.
 //
 // Throws DataError when ids, names or keypoint indices contradict each other, when the file cannot
-// be written or when another program is writing to a database at `path`; ToolError when
+// be written or another program has locked a database at `path`; ToolError when
 // database_creator fails or makes a table without a column that is needed.
 void WriteDatabase(const ColmapInstallation& colmap, const DatabaseContent& content,
                    const std::filesystem::path& path, const std::filesystem::path& log_path);

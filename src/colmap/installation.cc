@@ -19,6 +19,12 @@ bool IsSupported(const std::string& version) {
 
 }  // namespace
 
+OptionFields ColmapOptions::Fields() { return {{"patience_s", &patience_s}}; }
+
+void ColmapOptions::Validate() const {
+  RequireOption(patience_s > 0.0, "colmap.patience_s", "more than 0", patience_s);
+}
+
 ColmapInstallation FindColmap(double patience_s) {
   const auto program = FindOnPath("colmap");
   if (!program) {
@@ -26,7 +32,7 @@ ColmapInstallation FindColmap(double patience_s) {
     throw ToolError(fmt::format("colmap: not found on PATH ({}), expected COLMAP {}",
                                 path ? path : "not set", kSupported));
   }
-  ColmapInstallation installation{.path = program->string(), .version_text = ""};
+  ColmapInstallation installation{.path = program->string(), .version_text = {}};
   ProcessRequest request{.program = installation.path, .arguments = {"help"}};
   request.timeout_s = patience_s;
   request.on_line = [&](const std::string& line) {

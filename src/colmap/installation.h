@@ -3,11 +3,23 @@
 
 #include <string>
 
+#include "core/options.h"
+
 namespace rigmap {
+
+struct ColmapOptions {
+  // s; a COLMAP that writes nothing for so long hangs and is killed. It says a word for each image,
+  // and its longest adjustments, of thousands of images, take a few minutes.
+  double patience_s = 900.0;
+
+  OptionFields Fields();
+  void Validate() const;  // throws UsageError
+};
 
 struct ColmapInstallation {
   std::string path;          // of the program
   std::string version_text;  // "3.8"
+  double patience_s = ColmapOptions().patience_s;
 };
 
 // Looks `colmap` up on PATH and asks it for its version. This release knows the options and the

@@ -121,7 +121,8 @@ ProcessRequest MakeProcess(const ColmapInstallation& colmap, const CommandLine& 
           // Without the last COLMAP leaves log files of its own in the temporary folder.
           .environment = {{"OMP_NUM_THREADS", std::to_string(threads)},
                           {"OPENBLAS_NUM_THREADS", "1"},
-                          {"GLOG_logtostderr", "1"}}};
+                          {"GLOG_logtostderr", "1"}},
+          .timeout_without_output_s = colmap.patience_s};
 }
 
 // 3.8 prints "Registering image #ID (K)" as it adds the K-th image of a model.

@@ -15,7 +15,7 @@ namespace rigmap {
 namespace {
 
 // Raised whenever a stored type changes its shape, so that old artefacts are made anew.
-constexpr int kFormatVersion = 1;
+constexpr int kFormatVersion = 2;
 constexpr const char* kEndMark = "end.";
 
 std::string Hexadecimal(const XXH128_hash_t& hash) {
@@ -50,7 +50,12 @@ void Write(const std::filesystem::path& path, const std::string& key,
            const std::function<void(std::ostream&)>& body) {
   WriteFileAtomically(path, [&](std::ostream& stream) {
     stream << FirstLine(key) << '\n';
-    body(stream);
+    try {
+      body(stream);
+    } catch (const cereal::Exception&) {
+      // A full disk: cereal says so, but not of which file.
+      stream.setstate(std::ios::badbit);
+    }
     stream << kEndMark;
   });
 }

@@ -33,6 +33,21 @@ void Rename(const std::filesystem::path& from, const std::filesystem::path& to) 
   if (code) throw DataError(fmt::format("{}: cannot write: {}", to.string(), code.message()));
 }
 
+DataError CannotWrite(const std::filesystem::path& path) {
+  return DataError(fmt::format("{}: cannot write: {}", path.string(), std::strerror(errno)));
+}
+
+// Whoever writes may notice a full disk first, and knows less of it.
+void WriteTo(std::ofstream& stream, const std::filesystem::path& path,
+             const std::function<void(std::ostream&)>& write) {
+  try {
+    write(stream);
+  } catch (const std::exception&) {
+    if (!stream) throw CannotWrite(path);
+    throw;
+  }
+}
+
 }  // namespace
 
 std::string ReadTextFile(const std::filesystem::path& path) {
@@ -56,11 +71,9 @@ void WriteFileAtomically(const std::filesystem::path& path,
   try {
     errno = 0;
     std::ofstream stream(temporary, std::ios::binary | std::ios::trunc);
-    if (stream) write(stream);
+    if (stream) WriteTo(stream, path, write);
     stream.close();
-    if (!stream) {
-      throw DataError(fmt::format("{}: cannot write: {}", path.string(), std::strerror(errno)));
-    }
+    if (!stream) throw CannotWrite(path);
     Rename(temporary, path);
   } catch (...) {
     std::error_code ignored;

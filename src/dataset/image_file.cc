@@ -5,8 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
-#include <fstream>
-#include <opencv2/imgcodecs.hpp>
 #include <string>
 #include <string_view>
 
@@ -17,13 +15,6 @@ namespace {
 
 using std::string_view_literals::operator""sv;
 
-constexpr std::string_view kPngStart = "\x89PNG\r\n\x1a\n"sv;
-constexpr std::string_view kPngEnd = "\0\0\0\0IEND\xae\x42\x60\x82"sv;
-constexpr std::string_view kJpegStart = "\xff\xd8\xff"sv;
-constexpr std::string_view kJpegEnd = "\xff\xd9"sv;
-// Cameras pad behind the end marker, so it need not stand in the very last bytes.
-constexpr std::streamoff kTailBytes = 1024;
-
 bool HasImageExtension(const std::filesystem::path& path) {
   constexpr std::array kExtensions{".png"sv, ".jpg"sv, ".jpeg"sv, ".pgm"sv,
                                    ".ppm"sv, ".tif"sv, ".tiff"sv};
@@ -31,23 +22,6 @@ bool HasImageExtension(const std::filesystem::path& path) {
   std::transform(extension.begin(), extension.end(), extension.begin(),
                  [](unsigned char letter) { return static_cast<char>(std::tolower(letter)); });
   return std::find(kExtensions.begin(), kExtensions.end(), extension) != kExtensions.end();
-}
-
-std::string ReadBytes(std::ifstream& stream, std::streamoff begin, std::streamoff count) {
-  std::string bytes(static_cast<std::size_t>(count), '\0');
-  stream.clear();
-  stream.seekg(begin);
-  stream.read(bytes.data(), count);
-  bytes.resize(static_cast<std::size_t>(stream.gcount()));
-  return bytes;
-}
-
-bool Decodes(const std::filesystem::path& path) {
-  try {
-    return !cv::imread(path.string(), cv::IMREAD_UNCHANGED).empty();
-  } catch (const cv::Exception&) {
-    return false;
-  }
 }
 
 }  // namespace
@@ -61,25 +35,15 @@ std::vector<std::filesystem::path> ListImages(const std::filesystem::path& folde
     const auto& path = entry->path();
     std::error_code ignored;
     const bool hidden = path.filename().string().front() == '.';
-    if (!hidden && HasImageExtension(path) && !entry->is_directory(ignored)) images.push_back(path);
+    const auto type = entry->status(ignored).type();
+    // A link that leads nowhere stands for an image that is missed.
+    const bool file = type == std::filesystem::file_type::regular ||
+                      type == std::filesystem::file_type::not_found;
+    if (!hidden && HasImageExtension(path) && file) images.push_back(path);
   }
   if (code) throw DataError(fmt::format("{}: cannot list: {}", folder.string(), code.message()));
   std::sort(images.begin(), images.end());
   return images;
-}
-
-bool IsWholeImage(const std::filesystem::path& path) {
-  std::error_code code;
-  const auto size = std::filesystem::file_size(path, code);
-  std::ifstream stream(path, std::ios::binary);
-  if (code || size == 0 || !stream) return false;
-  const auto length = static_cast<std::streamoff>(size);
-  const std::string head = ReadBytes(stream, 0, std::min<std::streamoff>(length, 8));
-  const bool png = head.starts_with(kPngStart);
-  if (!png && !head.starts_with(kJpegStart)) return Decodes(path);
-  const auto tail_bytes = std::min(length, kTailBytes);
-  const std::string tail = ReadBytes(stream, length - tail_bytes, tail_bytes);
-  return tail.find(png ? kPngEnd : kJpegEnd) != std::string::npos;
 }
 
 }  // namespace rigmap

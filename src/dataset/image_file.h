@@ -1,4 +1,4 @@
-// Image files as they lie in a folder: which there are, and whether all of each is there.
+// Image files as they lie in a folder.
 #pragma once
 
 #include <filesystem>
@@ -10,9 +10,5 @@ namespace rigmap {
 // name; hidden ones are left out. Empty if there is no such folder. Throws DataError if it cannot
 // be listed.
 std::vector<std::filesystem::path> ListImages(const std::filesystem::path& folder);
-
-// True if the file is an image with its end in place. PNG and JPEG are judged by their first and
-// last bytes (microseconds; damage in between is not seen), other formats are decoded.
-bool IsWholeImage(const std::filesystem::path& path);
 
 }  // namespace rigmap

@@ -12,6 +12,7 @@
 
 #include "core/error.h"
 #include "dataset/image_file.h"
+#include "imaging/image.h"
 
 namespace rigmap {
 namespace {
@@ -142,10 +143,11 @@ StereoFrame ChoosePair(StampNs stamp_ns, const EyeImages& images, DatasetHealth&
   return frame;
 }
 
-// The pair of one stamp; what is missing or damaged goes to `health`.
+// The pair of one stamp, of whole images where there are such; what is missing or damaged goes to
+// `health`.
 std::optional<StereoFrame> PairEyes(StampNs stamp_ns, const EyeImages& images,
                                     DatasetHealth& health) {
-  EyeImages whole;
+  EyeImages whole, chosen;
   for (std::size_t eye = 0; eye < images.size(); ++eye) {
     for (const auto& path : images[eye]) {
       if (IsWholeImage(path)) {
@@ -155,10 +157,12 @@ std::optional<StereoFrame> PairEyes(StampNs stamp_ns, const EyeImages& images,
       }
     }
   }
-  if (!whole[0].empty() && !whole[1].empty()) return ChoosePair(stamp_ns, whole, health);
   for (std::size_t eye = 0; eye < images.size(); ++eye) {
-    if (!images[1 - eye].empty()) continue;  // a damaged partner: not lone
-    for (const auto& path : whole[eye]) health.lone_images.push_back(path.string());
+    chosen[eye] = whole[eye].empty() ? images[eye] : whole[eye];
+  }
+  if (!chosen[0].empty() && !chosen[1].empty()) return ChoosePair(stamp_ns, chosen, health);
+  for (const auto& lone : whole) {
+    for (const auto& path : lone) health.lone_images.push_back(path.string());
   }
   return std::nullopt;
 }

@@ -30,9 +30,10 @@ KatwijkPart SelectKatwijkPart(const std::filesystem::path& folder, std::optional
                               std::optional<int> part);
 
 // Frames and health of a part; the rig is left open. Frames are sorted by parsed stamp and paired
-// by it. Images without a partner or with a stamp that cannot be read go to health.lone_images,
-// damaged ones (image_file.h) to health.unreadable_images; where several images of an eye have the
-// same stamp, one is kept and a remark made. Throws DataError with the counts if no pair is left.
+// by it. Images without a partner or with a stamp that cannot be read go to health.lone_images;
+// damaged ones (IsWholeImage) are named in health.unreadable_images, but paired like any other.
+// Where several images of an eye have the same stamp, one is kept, a whole one if there is one, and
+// a remark made. Throws DataError with the counts if no pair is left.
 Dataset ReadKatwijkFrames(const KatwijkPart& part);
 
 }  // namespace rigmap

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
-#include <opencv2/imgcodecs.hpp>
+#include <algorithm>
 #include <vector>
 
 #include "core/error.h"
@@ -11,6 +11,7 @@
 #include "dataset/katwijk.h"
 #include "dataset/rig_file.h"
 #include "dataset/stereo_folder.h"
+#include "imaging/image.h"
 
 namespace rigmap {
 namespace {
@@ -115,27 +116,40 @@ void KeepFrames(const std::pair<int, int>& range, std::vector<StereoFrame>& fram
 }
 
 void CheckSize(const std::string& path, const Camera& camera, const std::string& rig_source) {
-  cv::Mat image;
-  try {
-    image = cv::imread(path, cv::IMREAD_GRAYSCALE | cv::IMREAD_IGNORE_ORIENTATION);
-  } catch (const cv::Exception& error) {
-    throw DataError(fmt::format("{}: cannot be decoded: {}", path, error.what()));
-  }
-  if (image.empty()) throw DataError(fmt::format("{}: cannot be decoded as an image", path));
-  if (image.cols != camera.width || image.rows != camera.height) {
+  const cv::Size found = ReadSize(path);
+  if (found != cv::Size(camera.width, camera.height)) {
     throw DataError(fmt::format("{}: expected {} x {} pixels as in {}, found {} x {}", path,
-                                camera.width, camera.height, rig_source, image.cols, image.rows));
+                                camera.width, camera.height, rig_source, found.width,
+                                found.height));
   }
 }
 
+// False if one of the frame's images cannot be read.
+bool CheckFrame(const StereoFrame& frame, const StereoRig& rig) {
+  try {
+    for (const Eye eye : kEyes) CheckSize(frame.PathOf(eye), rig.Of(eye).camera, rig.source);
+    return true;
+  } catch (const UnreadableImage&) {
+    return false;
+  }
+}
+
+// Of the masks and the first pair that can be read; there must be one.
 void CheckSizes(const Dataset& dataset) {
   const StereoRig& rig = dataset.rig;
   for (const Eye eye : kEyes) {
-    CheckSize(dataset.frames.front().PathOf(eye), rig.Of(eye).camera, rig.source);
-    if (!rig.Of(eye).mask_path.empty()) {
-      CheckSize(rig.Of(eye).mask_path, rig.Of(eye).camera, rig.source);
-    }
+    const std::string& mask_path = rig.Of(eye).mask_path;
+    if (!mask_path.empty()) CheckSize(mask_path, rig.Of(eye).camera, rig.source);
   }
+  const auto& frames = dataset.frames;
+  if (std::any_of(frames.begin(), frames.end(),
+                  [&](const StereoFrame& frame) { return CheckFrame(frame, rig); })) {
+    return;
+  }
+  throw DataError(
+      fmt::format("{}: expected images, found none that can be read in both eyes of any of {} "
+                  "pairs, of which this is the first",
+                  frames.front().left_path, frames.size()));
 }
 
 void LogHealth(const Dataset& dataset) {
@@ -146,8 +160,8 @@ void LogHealth(const Dataset& dataset) {
                  health.lone_images.front());
   }
   if (!health.unreadable_images.empty()) {
-    spdlog::warn("{} unreadable images left out, the first {}", health.unreadable_images.size(),
-                 health.unreadable_images.front());
+    spdlog::warn("{} images cannot be read, the first {}: their frames show nothing",
+                 health.unreadable_images.size(), health.unreadable_images.front());
   }
   for (const auto& remark : health.remarks) spdlog::warn("{}", remark);
 }

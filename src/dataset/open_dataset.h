@@ -23,7 +23,8 @@ struct DatasetRequest {
 // part's folder or the two above it; else, for Katwijk, default_loccam_rig. Which one applies is
 // logged, and so is what was wrong with the data. Paths in the result are absolute.
 // Throws UsageError for a part, format or frame range that is not there, listing what is; DataError
-// for data that cannot be used, also when the first pair or a mask is not of the rig's size.
+// for data that cannot be used, also when no pair can be read, or the first that can or a mask is
+// not of the rig's size.
 Dataset OpenDataset(const DatasetRequest& request);
 
 // Text for artefact keys: changes whenever the rig, the stamps, the inclinometer or the path, size

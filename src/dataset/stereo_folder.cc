@@ -9,6 +9,7 @@
 #include "core/error.h"
 #include "core/file.h"
 #include "dataset/image_file.h"
+#include "imaging/image.h"
 
 namespace rigmap {
 namespace {
@@ -47,14 +48,9 @@ std::vector<StampNs> ReadTimes(const fs::path& path) {
   return times;
 }
 
-void RequireWhole(const std::vector<fs::path>& images) {
+void NoteUnreadable(const std::vector<fs::path>& images, DatasetHealth& health) {
   for (const auto& path : images) {
-    if (!IsWholeImage(path)) {
-      throw DataError(
-          fmt::format("{}: expected an image, found an empty, truncated or unknown "
-                      "file",
-                      path.string()));
-    }
+    if (!IsWholeImage(path)) health.unreadable_images.push_back(path.string());
   }
 }
 
@@ -103,14 +99,14 @@ Dataset ReadStereoFolder(const fs::path& folder) {
     throw DataError(fmt::format("{}: expected {} times, one per pair, found {}",
                                 times_path.string(), left.size(), times.size()));
   }
-  RequireWhole(left);
-  RequireWhole(right);
   Dataset dataset;
   dataset.format = "stereo";
   for (std::size_t i = 0; i < left.size(); ++i) {
     dataset.frames.push_back({times[i], left[i].string(), right[i].string()});
   }
   dataset.health.images_read = static_cast<int>(left.size() + right.size());
+  NoteUnreadable(left, dataset.health);
+  NoteUnreadable(right, dataset.health);
   RemarkOnNames(dataset.frames, dataset.health);
   const fs::path truth = folder / "groundtruth_tum.txt";
   std::error_code ignored;

@@ -15,9 +15,10 @@ namespace rigmap {
 bool IsStereoFolder(const std::filesystem::path& folder);
 
 // Frames, truth path and health; the rig is left open. `folder` must be absolute. Throws DataError
-// naming the counts when an eye has no images or more than the other, the image that is damaged
-// (image_file.h), or the line of times.txt that is no number or does not increase. Pairs whose
-// names hold different numbers are remarked on.
+// naming the counts when an eye has no images or more than the other, or the line of times.txt that
+// is no number or does not increase. Damaged images (IsWholeImage) are named in
+// health.unreadable_images, their pairs kept. Pairs whose names hold different numbers are remarked
+// on.
 Dataset ReadStereoFolder(const std::filesystem::path& folder);
 
 }  // namespace rigmap

@@ -34,6 +34,17 @@ Patch CutPatch(const cv::Mat& grey, const Eigen::Vector2d& centre) {
   return patch;
 }
 
+// Empty if the file cannot be decoded; then its name is added to `unreadable`.
+cv::Mat ReadIfImage(const std::string& path, const Camera& camera,
+                    std::vector<std::string>& unreadable) {
+  try {
+    return ReadGrey(path, camera);
+  } catch (const UnreadableImage&) {
+    unreadable.push_back(path);
+    return {};
+  }
+}
+
 }  // namespace
 
 FeatureSetup MakeFeatureSetup(const StereoRig& rig, const FeatureOptions& options,
@@ -42,15 +53,20 @@ FeatureSetup MakeFeatureSetup(const StereoRig& rig, const FeatureOptions& option
 }
 
 FrameFeatures ExtractFeatures(const StereoFrame& frame, const FeatureSetup& setup) {
-  const cv::Mat left = ReadGrey(frame.left_path, setup.rig.left.camera);
-  const cv::Mat right = ReadGrey(frame.right_path, setup.rig.right.camera);
+  FrameFeatures result;
+  result.stamp_ns = frame.stamp_ns;
+  auto& unreadable = result.unreadable_images;
+  const cv::Mat left = ReadIfImage(frame.left_path, setup.rig.left.camera, unreadable);
+  const cv::Mat right = ReadIfImage(frame.right_path, setup.rig.right.camera, unreadable);
+  if (!unreadable.empty()) {
+    result.usable_share = 0.0;
+    return result;
+  }
   const cv::Mat left_mask = UsableMask(left, setup.left_mask, setup.mask_options);
   const Keypoints keypoints = DetectKeypoints(left, left_mask, setup.options);
   const StereoImages images{Smooth(left), Smooth(right),
                             UsableMask(right, setup.right_mask, setup.mask_options)};
   StereoPartners partners = FindStereoPartners(images, setup.rig, keypoints.pixels, setup.options);
-  FrameFeatures result;
-  result.stamp_ns = frame.stamp_ns;
   result.descriptors = keypoints.descriptors;
   result.epipolar_errors_px = std::move(partners.epipolar_errors_px);
   result.usable_share = cv::countNonZero(left_mask) / static_cast<double>(left_mask.total());

@@ -21,7 +21,8 @@ FeatureSetup MakeFeatureSetup(const StereoRig& rig, const FeatureOptions& option
                               const MaskOptions& mask_options);
 
 // Reads both images and finds their features; about 0.1 s for a 1024 x 768 pair on one core.
-// Deterministic; may run for several frames at once. Throws DataError if an image cannot be read.
+// Deterministic; may run for several frames at once. A frame of which an image cannot be decoded
+// has no features and names the file; throws DataError if one is missing or not of the rig's size.
 FrameFeatures ExtractFeatures(const StereoFrame& frame, const FeatureSetup& setup);
 
 }  // namespace rigmap

@@ -41,7 +41,7 @@ struct InclinometerSample {
 struct DatasetHealth {
   int images_read = 0;                         // image files seen, both eyes
   std::vector<std::string> lone_images;        // no partner with the same stamp
-  std::vector<std::string> unreadable_images;  // their frames are left out
+  std::vector<std::string> unreadable_images;  // their frames show nothing
   std::vector<std::string> remarks;            // other findings, a sentence each
 
   template <class Archive>

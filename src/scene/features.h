@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "core/stamp.h"
@@ -42,10 +43,13 @@ struct FrameFeatures {
   // before any was rejected for it.
   std::vector<float> epipolar_errors_px;
   double usable_share = 1.0;  // of the left image that is not masked
+  // Files of this frame that could not be read as images; if there are any, nothing was looked for.
+  std::vector<std::string> unreadable_images;
 
   template <class Archive>
   void serialize(Archive& archive) {
-    archive(stamp_ns, features, descriptors, patches, epipolar_errors_px, usable_share);
+    archive(stamp_ns, features, descriptors, patches, epipolar_errors_px, usable_share,
+            unreadable_images);
   }
 };
 

@@ -139,6 +139,21 @@ TEST_F(WriteDatabaseTest, RefusesALockedDatabase) {
   const std::string message = Refusal(SmallContent());
   EXPECT_THAT(message, HasSubstr(path_.string()));
   EXPECT_THAT(message, HasSubstr("locked"));
+  EXPECT_THROW(RequireUnlocked(path_), DataError);
+  other.exec("ROLLBACK");
+  RequireUnlocked(path_);
+  RequireUnlocked(folder_.Path() / "none.db");
+}
+
+TEST_F(WriteDatabaseTest, LeavesNothingWhenTheToolMakesGarbage) {
+  const auto program = folder_.Path() / "colmap";
+  std::ofstream(program) << "#!/bin/sh\necho garbage > \"$3\"\n";
+  std::filesystem::permissions(program, std::filesystem::perms::owner_all);
+  EXPECT_THROW(
+      WriteDatabase({program.string(), "3.8"}, SmallContent(), path_, folder_.Path() / "log"),
+      DataError);
+  EXPECT_FALSE(std::filesystem::exists(path_));
+  EXPECT_FALSE(std::filesystem::exists(path_.string() + ".unfinished"));
 }
 
 TEST_F(WriteDatabaseTest, NamesAColumnThatTheToolDidNotMake) {

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cerrno>
 #include <iterator>
 #include <ostream>
 
@@ -51,6 +52,20 @@ TEST(FileTest, FailedStreamLeavesTheOldFile) {
   EXPECT_THROW(WriteFileAtomically(path, fail), DataError);
   EXPECT_EQ(ReadTextFile(path), "old");
   EXPECT_EQ(CountEntries(folder.Path()), 1);
+}
+
+// Who writes may find out first, but does not know of which file.
+TEST(FileTest, FullDiskIsSaidWithTheFileWhateverTheWriterThrows) {
+  const TemporaryFolder folder;
+  const auto path = folder.Path() / "file.txt";
+  const auto fail = [](std::ostream& stream) {
+    stream.setstate(std::ios::badbit);
+    errno = ENOSPC;
+    throw std::runtime_error("wrote 0 bytes");
+  };
+  EXPECT_THAT(MessageOf<DataError>([&] { WriteFileAtomically(path, fail); }),
+              testing::AllOf(HasSubstr(path.string()), HasSubstr("No space left on device")));
+  EXPECT_EQ(CountEntries(folder.Path()), 0);
 }
 
 TEST(FileTest, TheOldFileIsThereUntilTheEnd) {

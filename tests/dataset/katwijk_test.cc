@@ -77,16 +77,34 @@ TEST_F(KatwijkFramesTest, LoneEyesAreCountedAndLeftOut) {
   EXPECT_EQ(dataset.health.images_read, 4);
 }
 
-TEST_F(KatwijkFramesTest, DamagedImagesTakeTheirFrameWithThem) {
+TEST_F(KatwijkFramesTest, DamagedImagesAreNamedAndTheirPairsKept) {
   for (const char* stamp : {"36_5", "37_5", "38_5", "39_5"}) WritePair(stamp);
   CutEnd(Image("37_5_1.png"), 20);
   std::filesystem::resize_file(Image("38_5_0.png"), 0);
   std::ofstream(Image("39_5_0.png")) << "text";
   const Dataset dataset = Read();
-  EXPECT_THAT(Order(dataset), ElementsAre("36_5"));
+  EXPECT_THAT(Order(dataset), ElementsAre("36_5", "37_5", "38_5", "39_5"));
   EXPECT_THAT(dataset.health.unreadable_images,
               ElementsAre(EndsWith("37_5_1.png"), EndsWith("38_5_0.png"), EndsWith("39_5_0.png")));
   EXPECT_THAT(dataset.health.lone_images, IsEmpty());
+}
+
+TEST_F(KatwijkFramesTest, DamagedImageWithoutAPartnerMakesNoPair) {
+  WritePair("36_5");
+  std::ofstream(Image("37_5_0.png")) << "text";
+  const Dataset dataset = Read();
+  EXPECT_THAT(Order(dataset), ElementsAre("36_5"));
+  EXPECT_THAT(dataset.health.unreadable_images, ElementsAre(EndsWith("37_5_0.png")));
+}
+
+TEST_F(KatwijkFramesTest, OfEqualStampsTheWholePairIsTaken) {
+  WritePair("37_0", ".jpg");
+  WritePair("37_0", ".png");
+  CutEnd(Image("37_0_1.jpg"), 20);
+  const Dataset dataset = Read();
+  ASSERT_EQ(dataset.frames.size(), 1U);
+  EXPECT_THAT(dataset.frames[0].left_path, EndsWith(".png"));
+  EXPECT_THAT(dataset.frames[0].right_path, EndsWith(".png"));
 }
 
 TEST_F(KatwijkFramesTest, NamesThatCannotBeParsedAreRemarkedOn) {

@@ -99,6 +99,26 @@ TEST_F(OpenKatwijkTest, ImagesMustHaveTheRigsSize) {
                     HasSubstr("found 16 x 24")));
 }
 
+TEST_F(OpenKatwijkTest, SizeIsThatOfTheFirstPairThatCanBeRead) {
+  folder_.Write("root/rig.yaml", SampleRigText());
+  folder_.Write("root/Traverse3/Part1/LocCam/LocCam_2015_11_26_15_23_36_5_1.png", "text");
+  EXPECT_EQ(Open(root_).frames.size(), 4U);
+  WriteImage(part_ / "LocCam" / "LocCam_2015_11_26_15_23_36_40_0.png", 16, 24);
+  EXPECT_THAT(MessageOf<DataError>([&] { Open(root_); }), HasSubstr("36_40_0.png: expected 32"));
+}
+
+TEST_F(OpenKatwijkTest, OnePairMustBeReadable) {
+  folder_.Write("root/rig.yaml", SampleRigText());
+  for (const char* name : {"36_5_1", "36_40_0", "36_300_1", "36_1000_0"}) {
+    folder_.Write(
+        std::string("root/Traverse3/Part1/LocCam/LocCam_2015_11_26_15_23_") + name + ".png",
+        "text");
+  }
+  EXPECT_THAT(MessageOf<DataError>([&] { Open(root_); }),
+              AllOf(HasSubstr("36_5_0.png"), HasSubstr("none that can be read"),
+                    HasSubstr("any of 4 pairs")));
+}
+
 TEST_F(OpenKatwijkTest, MasksMustHaveTheRigsSize) {
   folder_.Write("root/rig.yaml", Replaced(SampleRigText(), "  fx: 31", "  mask: m.png\n  fx: 31"));
   WriteImage(root_ / "m.png");

@@ -96,13 +96,16 @@ TEST_F(StereoFolderTest, TimesMustBeNumbersAndTheLineIsNamed) {
   EXPECT_THAT(Complaint(), HasSubstr("times.txt:1: "));
 }
 
-TEST_F(StereoFolderTest, DamagedImagesAreNamed) {
+TEST_F(StereoFolderTest, DamagedImagesAreNamedAndTheirPairsKept) {
   CutEnd(folder_.Path() / "right" / "001.png", 10);
-  EXPECT_THAT(Complaint(), HasSubstr("right/001.png: expected an image"));
   std::filesystem::resize_file(folder_.Path() / "left" / "002.png", 0);
-  EXPECT_THAT(Complaint(), HasSubstr("left/002.png: expected an image"));
   folder_.Write("left/000.png", "just text");
-  EXPECT_THAT(Complaint(), HasSubstr("left/000.png: expected an image"));
+  const Dataset dataset = Read();
+  EXPECT_EQ(dataset.frames.size(), 3U);
+  EXPECT_EQ(dataset.health.images_read, 6);
+  EXPECT_THAT(dataset.health.unreadable_images,
+              testing::ElementsAre(EndsWith("left/000.png"), EndsWith("left/002.png"),
+                                   EndsWith("right/001.png")));
 }
 
 TEST_F(StereoFolderTest, PairsOfDifferentNumbersAreRemarkedOn) {

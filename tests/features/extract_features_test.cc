@@ -103,6 +103,19 @@ TEST_F(ExtractFeaturesTest, BlackImagesGiveAnEmptyFrame) {
   EXPECT_TRUE(found.epipolar_errors_px.empty());
 }
 
+TEST_F(ExtractFeaturesTest, DamagedImageGivesAnEmptyFrameThatNamesIt) {
+  std::filesystem::resize_file(frame_.right_path,
+                               std::filesystem::file_size(frame_.right_path) / 2);
+  const FrameFeatures found = ExtractFeatures(frame_, MakeFeatureSetup(rig_, {}, {}));
+  EXPECT_EQ(found.stamp_ns, 1234);
+  EXPECT_TRUE(found.features.empty());
+  EXPECT_TRUE(found.patches.empty());
+  EXPECT_EQ(found.usable_share, 0.0);
+  EXPECT_EQ(found.unreadable_images, std::vector{frame_.right_path});
+  cv::imwrite(frame_.right_path, cv::Mat(5, 5, CV_8UC1, cv::Scalar(0)));
+  EXPECT_THROW(ExtractFeatures(frame_, MakeFeatureSetup(rig_, {}, {})), DataError);
+}
+
 TEST_F(ExtractFeaturesTest, MissingImagesAreNamed) {
   frame_.right_path += ".gone";
   try {

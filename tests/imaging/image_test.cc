@@ -12,12 +12,14 @@
 #include "tests/support/message_of.h"
 #include "tests/support/seeded_random.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/support/test_file.h"
 
 namespace rigmap {
 namespace {
 
 using testing::AllOf;
 using testing::HasSubstr;
+using testing::Not;
 
 Camera CameraOf(int width, int height) {
   Camera camera;
@@ -37,6 +39,10 @@ cv::Mat RandomImage(int type, double high) {
     }
   }
   return image;
+}
+
+void WriteRandomImage(const std::filesystem::path& path) {
+  cv::imwrite(path.string(), RandomImage(CV_8UC1, 256.0));
 }
 
 double LargestDifference(const cv::Mat& a, const cv::Mat& b) {
@@ -112,6 +118,80 @@ TEST(ReadGrey, NamesFilesThatAreMissingOrDamaged) {
   const std::string damaged = folder.Path() / "damaged.png";
   std::ofstream(damaged) << "no image";
   EXPECT_THAT(ReadingFails(damaged), AllOf(HasSubstr(damaged), HasSubstr("cannot be decoded")));
+}
+
+TEST(ReadGrey, TellsDamagedFilesFromMissingOnesAndOtherSizes) {
+  const TemporaryFolder folder;
+  const std::string path = folder.Path() / "a.png";
+  EXPECT_THROW(ReadSize(path), DataError);
+  EXPECT_THAT([&] { ReadSize(path); }, Not(testing::Throws<UnreadableImage>()));
+  WriteRandomImage(path);
+  EXPECT_EQ(ReadSize(path), cv::Size(30, 20));
+  EXPECT_THAT([&] { ReadGrey(path, CameraOf(31, 20)); }, Not(testing::Throws<UnreadableImage>()));
+  std::ofstream(path) << "no image";
+  EXPECT_THROW(ReadSize(path), UnreadableImage);
+}
+
+// OpenCV itself fills the rest of such a file with grey.
+TEST(ReadGrey, RefusesWhatIsCutOff) {
+  const TemporaryFolder folder;
+  for (const char* name : {"a.png", "a.jpg"}) {
+    const std::filesystem::path path = folder.Path() / name;
+    WriteRandomImage(path);
+    std::filesystem::resize_file(path, std::filesystem::file_size(path) * 2 / 3);
+    EXPECT_THROW(ReadGrey(path, CameraOf(30, 20)), UnreadableImage) << name;
+  }
+}
+
+class ImageFormatTest : public testing::TestWithParam<const char*> {
+ protected:
+  TemporaryFolder folder_;
+  std::filesystem::path path_ = folder_.Path() / (std::string("image.") + GetParam());
+};
+
+TEST_P(ImageFormatTest, WholeImageIsWhole) {
+  WriteRandomImage(path_);
+  EXPECT_TRUE(IsWholeImage(path_));
+}
+
+TEST_P(ImageFormatTest, TruncatedImageIsNot) {
+  WriteRandomImage(path_);
+  const auto size = std::filesystem::file_size(path_);
+  std::filesystem::resize_file(path_, size - size / 3);
+  EXPECT_FALSE(IsWholeImage(path_));
+  std::filesystem::resize_file(path_, 4);
+  EXPECT_FALSE(IsWholeImage(path_));
+  std::filesystem::resize_file(path_, 0);
+  EXPECT_FALSE(IsWholeImage(path_));
+}
+
+INSTANTIATE_TEST_SUITE_P(Formats, ImageFormatTest,
+                         testing::Values("png", "jpg", "jpeg", "pgm", "tif", "tiff"));
+
+TEST(IsWholeImageTest, LastByteOfPngAndJpegMatters) {
+  const TemporaryFolder folder;
+  for (const char* name : {"a.png", "a.jpg"}) {
+    WriteRandomImage(folder.Path() / name);
+    std::filesystem::resize_file(folder.Path() / name,
+                                 std::filesystem::file_size(folder.Path() / name) - 1);
+    EXPECT_FALSE(IsWholeImage(folder.Path() / name)) << name;
+  }
+}
+
+TEST(IsWholeImageTest, PaddingBehindTheEndIsAllowed) {
+  const TemporaryFolder folder;
+  for (const char* name : {"a.png", "a.jpg"}) {
+    WriteRandomImage(folder.Path() / name);
+    std::ofstream(folder.Path() / name, std::ios::app) << std::string(100, '\0');
+    EXPECT_TRUE(IsWholeImage(folder.Path() / name)) << name;
+  }
+}
+
+TEST(IsWholeImageTest, TextAndMissingFilesAreNoImages) {
+  const TemporaryFolder folder;
+  EXPECT_FALSE(IsWholeImage(WriteTestFile(folder.Path() / "a.png", "not an image at all\n")));
+  EXPECT_FALSE(IsWholeImage(folder.Path() / "none.png"));
+  EXPECT_FALSE(IsWholeImage(folder.Path()));
 }
 
 }  // namespace

@@ -189,27 +189,6 @@ TEST_F(SpoiltFolder, WithALaterImageOfAnotherSizeIsRefused) {
   EXPECT_THAT(ReadTextFile(out_ / "summary.json"), HasSubstr("\"failed\""));
 }
 
-TEST_F(SpoiltFolder, WithATruncatedImageIsRefused) {
-  const fs::path image = data_ / "left" / "0004.png";
-  fs::resize_file(image, fs::file_size(image) / 2);
-  EXPECT_THAT(DatasetFails(data_), HasSubstr("left/0004.png"));
-}
-
-TEST_F(SpoiltFolder, WithAnEmptyImageIsRefused) {
-  fs::resize_file(data_ / "right" / "0002.png", 0);
-  EXPECT_THAT(DatasetFails(data_), HasSubstr("right/0002.png"));
-}
-
-// Its first and last bytes are as they should be.
-TEST_F(SpoiltFolder, WithAnImageDamagedInTheMiddleIsRefused) {
-  const fs::path image = data_ / "left" / "0004.png";
-  std::fstream file(image, std::ios::in | std::ios::out | std::ios::binary);
-  file.seekp(static_cast<std::streamoff>(fs::file_size(image) / 2));
-  file << std::string(2000, '\x55');
-  file.close();
-  EXPECT_THAT(DatasetFails(data_), HasSubstr("left/0004.png"));
-}
-
 TEST_F(SpoiltFolder, WithBrokenTimesIsRefused) {
   WriteTestFile(data_ / "times.txt", "1\n2\n3\n3\n5\n6\n7\n8\n");
   EXPECT_THAT(DatasetFails(data_), HasSubstr("times.txt:4"));

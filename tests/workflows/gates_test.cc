@@ -86,10 +86,10 @@ TEST_F(GatesTest, HealthyPartPassesThemAllOnceEach) {
   }
   EXPECT_THAT(names,
               testing::UnorderedElementsAre(
-                  "baseline_spread", "baseline_rejected", "registered", "motion_agreement_sigmas",
-                  "motion_agreement_pct", "reprojection_px", "outlier_share", "epipolar_px",
-                  "rig_consistency_deg", "rig_consistency_sigmas", "intrinsics_consistency_pct",
-                  "intrinsics_consistency_sigmas"));
+                  "baseline_spread", "baseline_rejected", "registered", "predicted",
+                  "motion_agreement_sigmas", "motion_agreement_pct", "reprojection_px",
+                  "outlier_share", "epipolar_px", "rig_consistency_deg", "rig_consistency_sigmas",
+                  "intrinsics_consistency_pct", "intrinsics_consistency_sigmas"));
   EXPECT_EQ(FailureReason(All()), "");
 }
 
@@ -117,6 +117,17 @@ TEST_F(GatesTest, RegisteredShareIsALowerLimit) {
   EXPECT_TRUE(Judge("registered").passed);
   placed_.world_from_left[4].reset();
   EXPECT_FALSE(Judge("registered").passed);
+}
+
+TEST_F(GatesTest, PredictedShareCountsFramesThatNothingMeasured) {
+  // Of twelve frames two are 0.17, three 0.25; one that was adjusted after all is measured.
+  for (const int i : {4, 5, 6, 7}) odometry_[i].source = PoseSource::kPredicted;
+  adjustment_.world_from_left[4].reset();
+  adjustment_.world_from_left[5].reset();
+  EXPECT_TRUE(Judge("predicted").passed);
+  adjustment_.world_from_left[6].reset();
+  EXPECT_DOUBLE_EQ(*Judge("predicted").value, 0.25);
+  EXPECT_FALSE(Judge("predicted").passed);
 }
 
 TEST_F(GatesTest, ReprojectionAndOutliersAreJudgedAtTheirLimits) {

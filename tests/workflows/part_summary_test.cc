@@ -47,6 +47,22 @@ TEST_F(PartSummaryTest, HasAllKeysEvenWhereNothingWasReached) {
   EXPECT_EQ(summary["versions"]["rigmap"], RIGMAP_VERSION);
 }
 
+TEST_F(PartSummaryTest, NamesEachUnreadableImageOnce) {
+  PartSummary summary(request_);
+  Dataset dataset;
+  dataset.health.unreadable_images = {"b.png"};
+  summary.SetDataset(dataset);
+  summary.AddUnreadableImages({"a.png", "b.png"});
+  EXPECT_THAT(Written(summary)["health"]["unreadable_images"], ElementsAre("a.png", "b.png"));
+}
+
+// Paths and other programs' output may hold any bytes.
+TEST_F(PartSummaryTest, IsJsonWhateverTheReasonHolds) {
+  PartSummary summary(request_);
+  summary.Fail("colmap said \xff\x01");
+  EXPECT_THAT(Written(summary)["reason"].get<std::string>(), testing::StartsWith("colmap said"));
+}
+
 TEST_F(PartSummaryTest, CountsFramesAndWhatWasPassedOver) {
   PartSummary summary(request_);
   Dataset dataset;

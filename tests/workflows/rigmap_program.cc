@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <fstream>
 #include <stdexcept>
 
 #include "core/file.h"
@@ -58,9 +59,24 @@ pid_t StartRigmap(const std::vector<std::string>& arguments) {
   return Start(RIGMAP_PROGRAM, arguments, ".", "/dev/null", "/dev/null");
 }
 
-void KillHard(pid_t process) {
-  kill(process, SIGKILL);
-  waitpid(process, nullptr, 0);
+void KillHard(pid_t process) { EndBySignal(process, SIGKILL); }
+
+int EndBySignal(pid_t process, int signal) {
+  kill(process, signal);
+  int status = 0;
+  waitpid(process, &status, 0);
+  return WIFSIGNALED(status) ? WTERMSIG(status) : 0;
+}
+
+int ProcessesOn(const fs::path& folder) {
+  int count = 0;
+  for (const auto& entry : fs::directory_iterator("/proc")) {
+    std::ifstream file(entry.path() / "cmdline");
+    std::string command;
+    std::getline(file, command);
+    if (command.find(folder.string()) != std::string::npos) ++count;
+  }
+  return count;
 }
 
 fs::path SimulatedPartFolder() { return RIGMAP_SIMULATED_PART; }

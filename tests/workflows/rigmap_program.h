@@ -27,6 +27,10 @@ ProgramEnd RunRigmap(const std::vector<std::string>& arguments,
 pid_t StartRigmap(const std::vector<std::string>& arguments);
 // Ends it at once, as a power failure would, and waits until it is gone.
 void KillHard(pid_t process);
+// Sends it a signal, waits, and returns the signal that it ended by; 0 if it ended by itself.
+int EndBySignal(pid_t process, int signal);
+// How many processes have a command line that names the folder.
+int ProcessesOn(const std::filesystem::path& folder);
 
 // The folder that write_simulated_part made, once, when the tests were built.
 std::filesystem::path SimulatedPartFolder();

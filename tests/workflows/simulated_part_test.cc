@@ -109,7 +109,7 @@ class SimulatedPartTest : public testing::Test {
     EXPECT_EQ(summary["frames"]["registered"], summary["frames"]["keyframes"]);
     EXPECT_GT(summary["scale"]["metres_per_model_unit"].get<double>(), 0.0);
     EXPECT_EQ(summary["stages"].size(), 11U);
-    EXPECT_EQ(summary["gates"].size(), 13U);
+    EXPECT_EQ(summary["gates"].size(), 14U);
     EXPECT_TRUE(summary["versions"]["colmap"].is_string());
     EXPECT_EQ(ReadTum(out_ / "trajectory.tum").size(), 8U);
   }
@@ -213,18 +213,6 @@ TEST_F(SimulatedPartTest, IsTheSameWithOneThreadAndWithTwo) {
   RunPart(out_, {"--threads", "1"});
   RunPart(other, {"--threads", "2"});
   EXPECT_TRUE(Bytes(out_) == Bytes(other));
-}
-
-// Processes whose command line names the folder.
-int ProcessesOn(const fs::path& folder) {
-  int count = 0;
-  for (const auto& entry : fs::directory_iterator("/proc")) {
-    std::ifstream file(entry.path() / "cmdline");
-    std::string command;
-    std::getline(file, command);
-    if (command.find(folder.string()) != std::string::npos) ++count;
-  }
-  return count;
 }
 
 TEST_F(SimulatedPartTest, ThatIsKilledAtAnyMomentEndsAsIfItHadNotBeen) {

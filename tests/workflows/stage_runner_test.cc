@@ -178,6 +178,19 @@ TEST_F(StageRunnerTest, FailureWhileMakingLeavesNothingOfThatStage) {
   EXPECT_EQ(ReadTextFile(tum_), "ab");
 }
 
+TEST_F(StageRunnerTest, FailureAfterPublishingLeavesNothingOfThatStage) {
+  StageRunner run({layout_, {}, {}, true});
+  const auto make = [&]() -> std::string {
+    WriteTestFile(ply_, "half a map");
+    fs::create_directories(layout_.Scratch());
+    throw DataError("failed after writing");
+  };
+  EXPECT_THROW(run.Run(Stage<std::string>{.name = "fusion", .options = "", .make = make}),
+               DataError);
+  EXPECT_FALSE(fs::exists(ply_));
+  EXPECT_FALSE(fs::exists(layout_.Scratch()));
+}
+
 // Otherwise a run that was killed between the two would be taken for complete.
 TEST_F(StageRunnerTest, ProductThatWasNotPublishedDoesNotCountAsKept) {
   Run({});
