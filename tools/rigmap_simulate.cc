@@ -17,7 +17,9 @@
 #include "core/progress.h"
 #include "dataset/rig_file.h"
 #include "simulation/faults.h"
+#include "simulation/rig_errors.h"
 #include "simulation/rover_path.h"
+#include "simulation/scaled_rig.h"
 #include "simulation/scene_options.h"
 #include "simulation/simulate_part.h"
 
@@ -30,6 +32,7 @@ constexpr int kExitFailed = 1, kExitUsage = 2;
 struct Arguments {
   SimulationRequest request;
   std::string rig, out;
+  double image_scale = 1.0;
   int threads = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
   bool force = false, quiet = false;
 };
@@ -48,6 +51,11 @@ void AddOptions(CLI::App& app, Arguments& a) {
       ->allow_extra_args(false);
   app.add_option("--out", a.out, "Folder for data/ and truth/")->required();
   app.add_option("--rig", a.rig, "Rig file; default: LocCam");
+  app.add_option(
+         "--image-scale", a.image_scale,
+         "Size of the images, as a share of the rig file's: 0.5 takes a quarter of the time")
+      ->check(CLI::Range(0.1, 2.0))
+      ->capture_default_str();
   app.add_option("--contrast", r.contrast, "Factor on the sand's and rocks' texture")
       ->capture_default_str();
   app.add_option("--interval", r.interval_s, "Seconds from pair to pair")->capture_default_str();
@@ -63,7 +71,12 @@ void AddOptions(CLI::App& app, Arguments& a) {
   app.add_option("--threads", a.threads, "Threads; default: one per core");
   app.add_flag("--force", a.force, "Replace the output folder, whatever it holds");
   app.add_flag("--quiet", a.quiet, "No progress, errors only");
-  app.footer("Faults:\n" + DescribeFaultNames());
+  app.add_option("--rig-error", r.rig_errors,
+                 "NAME=VALUE, see below: what data/rig.yaml says differs from the rig by so much; "
+                 "may be repeated")
+      ->allow_extra_args(false);
+  app.footer("Faults:\n" + DescribeFaultNames() + "Errors of the calibration:\n" +
+             DescribeRigErrorNames());
 }
 
 void RequireUsableFolder(const fs::path& out, bool force) {
@@ -94,7 +107,8 @@ int Main(int argc, char** argv) {
   a.request.Validate();
   RequireUsableFolder(a.out, a.force);
   SetProgressQuiet(a.quiet);
-  a.request.rig = ReadRigFile(a.rig.empty() ? ConfigFile("rigs/loccam.yaml") : fs::path(a.rig));
+  a.request.rig = Scaled(
+      ReadRigFile(a.rig.empty() ? ConfigFile("rigs/loccam.yaml") : fs::path(a.rig)), a.image_scale);
   const tbb::global_control threads(tbb::global_control::max_allowed_parallelism,
                                     static_cast<std::size_t>(a.threads));
   cv::setNumThreads(1);

@@ -8,6 +8,7 @@
 
 #include "core/error.h"
 #include "simulation/noise.h"
+#include "simulation/rig_errors.h"
 
 namespace rigmap {
 namespace {
@@ -63,6 +64,7 @@ void SimulationRequest::Validate() const {
   require(markers >= 0 && markers <= 500, "markers", "0 to 500", markers);
   require(sand_cell_m >= 0.005 && sand_cell_m <= 0.1, "sand cell", "metres in [0.005, 0.1]",
           sand_cell_m);
+  WithRigErrors(rig, rig_errors);
 }
 
 DrivePlan PlanDrive(const SimulationRequest& request) {

@@ -14,6 +14,7 @@
 #include "simulation/drive.h"
 #include "simulation/imu.h"
 #include "simulation/photograph.h"
+#include "simulation/rig_errors.h"
 #include "simulation/rock_files.h"
 #include "simulation/rtk.h"
 #include "simulation/truth_depth.h"
@@ -143,7 +144,8 @@ void SimulatePart(const SimulationRequest& request, const fs::path& folder) {
   const auto saturated =
       WriteImages(Photographer(world, request.rig, plan, motion), frames, part / "LocCam");
   WriteSensors(request, plan, motion, part);
-  WriteRig(request.rig, mount, data / "rig.yaml");
+  WriteRig(WithRigErrors(request.rig, request.rig_errors), mount, data / "rig.yaml");
+  WriteRig(request.rig, mount, truth / "rig.yaml");
   WriteRockFiles(data, request.traverse, world.boulders(), local, request.seed);
 
   const TruthSetting setting{request.rig,           mount,          plan.scene,

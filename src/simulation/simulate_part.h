@@ -18,14 +18,15 @@ struct SimulationRequest {
   double spacing_m = 0.2;         // from pair to pair at full speed
   double interval_s = 1.2;        // from pair to pair, give or take 40 ms
   std::uint64_t seed = 1;
-  std::vector<std::string> faults;  // NAME=VALUE, see PlanFaults
-  StereoRig rig;
-  double contrast = 1.0;         // times the scene's
-  double clock_offset_s = 0.35;  // of the satellite receiver against the images
-  int traverse = 3, part = 1;    // what the data set's folders are called
-  int depth_every = 20;          // frames from one true depth map to the next
-  int markers = 0;               // discs to check the cameras with, listed in truth/markers.json
-  double sand_cell_m = 0.01;     // of the sand's mesh near the path
+  std::vector<std::string> faults;      // NAME=VALUE, see PlanFaults
+  StereoRig rig;                        // as it is
+  std::vector<std::string> rig_errors;  // NAME=VALUE, by which data/rig.yaml is off; WithRigErrors
+  double contrast = 1.0;                // times the scene's
+  double clock_offset_s = 0.35;         // of the satellite receiver against the images
+  int traverse = 3, part = 1;           // what the data set's folders are called
+  int depth_every = 20;                 // frames from one true depth map to the next
+  int markers = 0;            // discs to check the cameras with, listed in truth/markers.json
+  double sand_cell_m = 0.01;  // of the sand's mesh near the path
 
   // Throws UsageError with a sentence.
   void Validate() const;

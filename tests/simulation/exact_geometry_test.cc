@@ -14,9 +14,9 @@
 #include "geometry/triangulation.h"
 #include "imaging/rectifier.h"
 #include "simulation/camera_response.h"
+#include "simulation/scaled_rig.h"
 #include "simulation/truth_depth.h"
 #include "simulation/view_renderer.h"
-#include "tests/simulation/scaled_rig.h"
 #include "tests/simulation/small_world.h"
 #include "tests/support/synthetic_rover.h"
 

@@ -5,7 +5,7 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "simulation/camera_response.h"
-#include "tests/simulation/scaled_rig.h"
+#include "simulation/scaled_rig.h"
 #include "tests/support/synthetic_rover.h"
 #include "tests/support/temporary_folder.h"
 

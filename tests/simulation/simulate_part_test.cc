@@ -19,8 +19,8 @@
 #include "export/tum.h"
 #include "simulation/boulders.h"
 #include "simulation/drive.h"
+#include "simulation/scaled_rig.h"
 #include "simulation/world.h"
-#include "tests/simulation/scaled_rig.h"
 #include "tests/support/synthetic_rover.h"
 #include "tests/support/temporary_folder.h"
 

@@ -8,7 +8,7 @@
 #include <cmath>
 
 #include "core/error.h"
-#include "tests/simulation/scaled_rig.h"
+#include "simulation/scaled_rig.h"
 #include "tests/simulation/small_world.h"
 #include "tests/support/synthetic_rover.h"
 

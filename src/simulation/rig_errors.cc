@@ -1,0 +1,103 @@
+#include "simulation/rig_errors.h"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <numbers>
+#include <string_view>
+
+#include "core/error.h"
+
+namespace rigmap {
+namespace {
+
+// Of the right eye about an axis of its own; its place stays, and so does the baseline.
+template <int kAxis>
+void Turn(StereoRig& rig, double degrees) {
+  Eigen::Vector3d turn = Eigen::Vector3d::Zero();
+  turn[kAxis] = degrees * std::numbers::pi / 180.0;
+  rig.right_from_left = Rigid3{ExpRotation(turn), Eigen::Vector3d::Zero()} * rig.right_from_left;
+}
+
+void ScaleFocals(StereoRig& rig, double per_cent) {
+  const double factor = 1.0 + per_cent / 100.0;
+  for (Camera* camera : {&rig.left.camera, &rig.right.camera}) {
+    camera->fx *= factor;
+    camera->fy *= factor;
+  }
+}
+
+void ScaleBaseline(StereoRig& rig, double per_cent) {
+  rig.right_from_left.translation *= 1.0 + per_cent / 100.0;
+}
+
+struct RigError {
+  std::string_view name, meaning;
+  void (*apply)(StereoRig& rig, double value);
+};
+
+constexpr std::array<RigError, 10> kRigErrors{{
+    {"turn-x", "degrees that the right eye is turned about its x axis (pitch)", &Turn<0>},
+    {"turn-y", "about its y axis (yaw)", &Turn<1>},
+    {"turn-z", "about its z axis (roll)", &Turn<2>},
+    {"left-cx", "px, principal point of the left eye",
+     [](StereoRig& rig, double px) { rig.left.camera.cx += px; }},
+    {"left-cy", "", [](StereoRig& rig, double px) { rig.left.camera.cy += px; }},
+    {"right-cx", "px, of the right eye",
+     [](StereoRig& rig, double px) { rig.right.camera.cx += px; }},
+    {"right-cy", "", [](StereoRig& rig, double px) { rig.right.camera.cy += px; }},
+    {"focal", "per cent, focal lengths of both eyes", &ScaleFocals},
+    {"k1", "first coefficient of radial distortion, both eyes",
+     [](StereoRig& rig, double k1) {
+       rig.left.camera.k1 += k1;
+       rig.right.camera.k1 += k1;
+     }},
+    {"baseline", "per cent, length of the baseline: no gate can see it", &ScaleBaseline},
+}};
+
+double ParseValue(const std::string& spec, std::string_view text) {
+  double value = 0.0;
+  const auto result = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (result.ec != std::errc() || result.ptr != text.data() + text.size() ||
+      !std::isfinite(value)) {
+    throw UsageError(fmt::format("--rig-error {}: expected a number, found '{}'", spec, text));
+  }
+  return value;
+}
+
+const RigError& Named(const std::string& spec, std::string_view name) {
+  std::string names;
+  for (const RigError& error : kRigErrors) {
+    if (error.name == name) return error;
+    names += names.empty() ? "" : ", ";
+    names += error.name;
+  }
+  throw UsageError(fmt::format("--rig-error {}: expected one of {}", spec, names));
+}
+
+}  // namespace
+
+StereoRig WithRigErrors(const StereoRig& rig, std::span<const std::string> specs) {
+  StereoRig told = rig;
+  for (const std::string& spec : specs) {
+    const auto equals = spec.find('=');
+    if (equals == std::string::npos) {
+      throw UsageError(fmt::format("--rig-error {}: expected NAME=VALUE", spec));
+    }
+    const std::string_view all = spec;
+    Named(spec, all.substr(0, equals)).apply(told, ParseValue(spec, all.substr(equals + 1)));
+  }
+  return told;
+}
+
+std::string DescribeRigErrorNames() {
+  std::string text;
+  for (const RigError& error : kRigErrors) {
+    text += fmt::format("  {:12} {}\n", error.name, error.meaning);
+  }
+  return text;
+}
+
+}  // namespace rigmap
