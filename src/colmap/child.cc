@@ -9,7 +9,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <array>
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
@@ -18,20 +17,6 @@
 
 namespace rigmap {
 namespace {
-
-struct Pipe {
-  Descriptor read_end, write_end;
-};
-
-ToolError CannotStart(const std::string& program) {
-  return ToolError(fmt::format("{}: cannot be started: {}", program, std::strerror(errno)));
-}
-
-Pipe OpenPipe(const std::string& program) {
-  std::array<int, 2> ends{};
-  if (pipe2(ends.data(), O_CLOEXEC) != 0) throw CannotStart(program);
-  return {Descriptor(ends[0]), Descriptor(ends[1])};
-}
 
 // All that exec needs, made before the fork: afterwards only async-signal-safe calls are allowed.
 class ExecArguments {
@@ -67,24 +52,31 @@ class ExecArguments {
   std::vector<char*> arguments_, environment_;
 };
 
-struct ChildEnds {
-  int input, output, failure;
+struct ChildPlace {
+  pid_t parent, group;
+  int input, output, failure;  // descriptors
 };
 
+// In the child.
+[[noreturn]] void Fail(const ChildPlace& place) {
+  const int reason = errno;
+  [[maybe_unused]] const ssize_t written = write(place.failure, &reason, sizeof(reason));
+  _exit(127);
+}
+
 // In the child. Does not return: either exec succeeds or its errno goes through the failure pipe.
-[[noreturn]] void BecomeProgram(const ExecArguments& exec, const ChildEnds& ends, pid_t parent) {
+[[noreturn]] void BecomeProgram(const ExecArguments& exec, const ChildPlace& place) {
   prctl(PR_SET_PDEATHSIG, SIGKILL);
-  if (getppid() != parent) _exit(127);  // the parent died before the request was made
+  if (getppid() != place.parent) _exit(127);  // the parent died before the request was made
+  if (setpgid(0, place.group) != 0) Fail(place);
   sigset_t none;
   sigemptyset(&none);
   sigprocmask(SIG_SETMASK, &none, nullptr);
-  dup2(ends.input, STDIN_FILENO);
-  dup2(ends.output, STDOUT_FILENO);
-  dup2(ends.output, STDERR_FILENO);
+  dup2(place.input, STDIN_FILENO);
+  dup2(place.output, STDOUT_FILENO);
+  dup2(place.output, STDERR_FILENO);
   exec.Exec();
-  const int reason = errno;
-  [[maybe_unused]] const ssize_t written = write(ends.failure, &reason, sizeof(reason));
-  _exit(127);
+  Fail(place);
 }
 
 // Whoever started us may have had ended children forgotten at once; we want to hear how they ended.
@@ -106,17 +98,6 @@ std::optional<int> WaitForExec(int failure) {
 
 }  // namespace
 
-Descriptor::Descriptor(int fd) : fd_(fd) {
-  if (fd < 0 || fd > STDERR_FILENO) return;
-  fd_ = fcntl(fd, F_DUPFD_CLOEXEC, STDERR_FILENO + 1);
-  close(fd);
-}
-
-void Descriptor::Close() {
-  if (fd_ >= 0) close(fd_);
-  fd_ = -1;
-}
-
 Child::~Child() {
   if (pid_ < 0) return;
   Kill();
@@ -124,7 +105,11 @@ Child::~Child() {
   }
 }
 
-void Child::Kill() const { kill(pid_, SIGKILL); }
+// The child by its own id as well: it may have left the group.
+void Child::Kill() {
+  kill(pid_, SIGKILL);
+  group_.End();
+}
 
 bool Child::Reap(ProcessResult& result) {
   int status = 0;
@@ -136,6 +121,7 @@ bool Child::Reap(ProcessResult& result) {
   }
   if (ended != pid_) return false;
   pid_ = -1;
+  group_.End();
   if (WIFSIGNALED(status)) result.signal = WTERMSIG(status);
   if (WIFEXITED(status)) result.exit_code = WEXITSTATUS(status);
   result.peak_rss_mb = static_cast<double>(usage.ru_maxrss) / 1024.0;
@@ -172,13 +158,13 @@ Child StartChild(const ProcessRequest& request) {
   Pipe output = OpenPipe(request.program), failure = OpenPipe(request.program);
   const Descriptor input(open("/dev/null", O_RDONLY | O_CLOEXEC));
   HearOfChildren();
-  const pid_t parent = getpid();
+  ProcessGroup group(request.program);
+  const ChildPlace place{getpid(), group.Id(), input.Get(), output.write_end.Get(),
+                         failure.write_end.Get()};
   const pid_t pid = fork();
   if (pid < 0) throw CannotStart(request.program);
-  if (pid == 0) {
-    BecomeProgram(exec, {input.Get(), output.write_end.Get(), failure.write_end.Get()}, parent);
-  }
-  Child child(pid, std::move(output.read_end));
+  if (pid == 0) BecomeProgram(exec, place);
+  Child child(pid, std::move(group), std::move(output.read_end));
   failure.write_end.Close();
   if (const auto reason = WaitForExec(failure.read_end.Get())) {
     errno = *reason;

@@ -65,7 +65,7 @@ std::vector<std::filesystem::path> RunMapper(const ColmapInstallation& colmap,
 // Loose by default: poses from odometry are not yet good to a pixel, and an adjustment that rejects
 // outliers comes afterwards.
 struct TriangulatorOptions {
-  int min_num_matches = 15;                        // of a pair; fewer are not used at all
+  int min_num_matches = 1;                         // of a pair; fewer are not used at all
   double tri_create_max_angle_error_deg = 6.0;     // of a ray to a new point
   double tri_continue_max_angle_error_deg = 6.0;   // of a ray to a point that is extended
   double tri_re_max_angle_error_deg = 10.0;        // the same in the second attempt

@@ -39,7 +39,9 @@ std::optional<std::filesystem::path> FindOnPath(const std::string& name);
 
 // Forks on the calling thread and waits. Standard output and error of the child come through one
 // pipe; its standard input is empty. The child is killed when the calling *thread* ends for any
-// reason (the kernel ties it to the thread that forked), also when `on_line` throws. Throws
+// reason (the kernel ties it to the thread that forked), also when `on_line` throws. What the child
+// itself has started ends with it or with this process, unless it has left its process group, which
+// is not the terminal's. Throws
 // ToolError when the program is not found or cannot be started, DataError when the log cannot be
 // written.
 ProcessResult RunProcess(const ProcessRequest& request);

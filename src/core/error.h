@@ -4,13 +4,19 @@
 
 #include <stdexcept>
 #include <string>
+#include <string_view>
 
 namespace rigmap {
 
-// Base of all failures that are shown to the user as a sentence. Exit code 1.
+// One line whatever was found in a file: control characters as \xNN (line ends as \n), and of more
+// than 1000 characters the first 600 and the last 300.
+std::string Legible(std::string_view sentence);
+
+// Base of all failures that are shown to the user as a sentence, which is made legible. Exit
+// code 1.
 class Error : public std::runtime_error {
  public:
-  using std::runtime_error::runtime_error;
+  explicit Error(std::string_view sentence) : std::runtime_error(Legible(sentence)) {}
 };
 
 // Input that cannot be used: a missing, malformed or contradictory file.

@@ -5,8 +5,10 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <cerrno>
 #include <chrono>
 #include <fstream>
+#include <functional>
 #include <thread>
 
 #include "core/error.h"
@@ -139,28 +141,87 @@ TEST(RunProcess, KillsTheChildWhenTheCallerThrows) {
   EXPECT_FALSE(Exists(child));
 }
 
+bool WaitUntil(const std::function<bool()>& holds) {
+  for (int i = 0; i < 200 && !holds(); ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(25));
+  }
+  return holds();
+}
+
+// Shell commands that write the shell's id to a file, whole or not at all.
+std::string NoteId(const std::filesystem::path& file) {
+  return "echo $$ > " + file.string() + ".new; mv " + file.string() + ".new " + file.string() +
+         "; ";
+}
+
 TEST(RunProcess, ChildDiesWithItsParent) {
   const TemporaryFolder folder;
   const auto note = folder.Path() / "child";
   const pid_t parent = fork();
   ASSERT_GE(parent, 0);
   if (parent == 0) {
-    RunProcess(Shell("echo $$ > " + note.string() + ".new; mv " + note.string() + ".new " +
-                     note.string() + "; exec sleep 30"));
+    RunProcess(Shell(NoteId(note) + "exec sleep 30"));
     _exit(0);
   }
-  const auto wait_until = [](auto&& holds) {
-    for (int i = 0; i < 200 && !holds(); ++i) {
-      std::this_thread::sleep_for(std::chrono::milliseconds(25));
-    }
-    return holds();
-  };
-  ASSERT_TRUE(wait_until([&] { return std::filesystem::exists(note); }));
+  ASSERT_TRUE(WaitUntil([&] { return std::filesystem::exists(note); }));
   const pid_t child = std::stoi(ReadTextFile(note));
   EXPECT_TRUE(Exists(child));
   kill(parent, SIGKILL);
   waitpid(parent, nullptr, 0);
-  EXPECT_TRUE(wait_until([&] { return !Exists(child); }));
+  EXPECT_TRUE(WaitUntil([&] { return !Exists(child); }));
+}
+
+// The program may be a script that starts the real one as a child of its own.
+class Wrapper : public testing::Test {
+ protected:
+  ProcessRequest Request(const std::string& end) const {
+    const auto real = folder_.Write("real", "#!/bin/sh\n" + NoteId(note_) + "exec sleep 30\n");
+    std::filesystem::permissions(real, std::filesystem::perms::owner_all);
+    return Shell(real.string() + " & " + end);
+  }
+  pid_t Grandchild() const {
+    EXPECT_TRUE(WaitUntil([&] { return std::filesystem::exists(note_); }));
+    return std::stoi(ReadTextFile(note_));
+  }
+  void ExpectGrandchildDied() const {
+    const pid_t grandchild = Grandchild();
+    EXPECT_TRUE(WaitUntil([&] { return !Exists(grandchild); }));
+  }
+
+  TemporaryFolder folder_;
+  std::filesystem::path note_ = folder_.Path() / "grandchild";
+};
+
+TEST_F(Wrapper, DiesWithItsChildWhenThisProcessIsKilled) {
+  const pid_t parent = fork();
+  ASSERT_GE(parent, 0);
+  if (parent == 0) {
+    RunProcess(Request("wait"));
+    _exit(0);
+  }
+  EXPECT_TRUE(Exists(Grandchild()));
+  kill(parent, SIGKILL);
+  waitpid(parent, nullptr, 0);
+  ExpectGrandchildDied();
+}
+
+TEST_F(Wrapper, DiesWithItsChildAtATimeout) {
+  ProcessRequest request = Request("wait");
+  request.timeout_s = 0.5;
+  EXPECT_TRUE(RunProcess(request).timed_out);
+  ExpectGrandchildDied();
+}
+
+TEST_F(Wrapper, LeavesNoChildBehind) {
+  const std::string until_noted = "while [ ! -e " + note_.string() + " ]; do sleep 0.01; done; ";
+  EXPECT_EQ(RunProcess(Request(until_noted + "exit 4")).exit_code, 4);
+  ExpectGrandchildDied();
+}
+
+TEST(RunProcess, LeavesNoChildOfOurs) {
+  EXPECT_TRUE(RunProcess(Shell("exit 0")).Succeeded());
+  EXPECT_EQ(waitpid(-1, nullptr, WNOHANG), -1);
+  EXPECT_EQ(errno, ECHILD);
 }
 
 TEST(RunProcess, HearsTheExitCodeThoughChildrenWereIgnored) {
