@@ -26,30 +26,6 @@ void AddEither(Gate a, Gate b, Gates& gates) {
   gates.push_back(std::move(b));
 }
 
-void JudgeBaseline(const GateInputs& inputs, const GateOptions& options, Gates& gates) {
-  std::optional<double> spread, rejected, registered;
-  if (inputs.placed) {
-    std::size_t used = 0, off = 0;
-    for (const PlacedModel& model : inputs.placed->models) {
-      spread = std::max(spread.value_or(0.0), model.scale.relative_spread);
-      used += model.scale.pairs_used.size();
-      off += model.scale.pairs_rejected.size();
-    }
-    rejected = static_cast<double>(off) / std::max<double>(1.0, static_cast<double>(used + off));
-    const auto& poses = inputs.placed->world_from_left;
-    const auto posed = std::count_if(poses.begin(), poses.end(),
-                                     [](const auto& pose) { return pose.has_value(); });
-    registered = static_cast<double>(posed) / static_cast<double>(poses.size());
-  }
-  gates.push_back(AtMost("baseline_spread", spread, options.baseline_spread,
-                         "spread of the mapped left-right distances: the shape of the map"));
-  gates.push_back(AtMost("baseline_rejected", rejected, options.baseline_rejected,
-                         "share of left-right distances rejected when the scale was taken"));
-  gates.push_back({"registered", registered, options.registered,
-                   !registered || *registered >= options.registered,
-                   "share of keyframes in the model used"});
-}
-
 void JudgePrediction(const GateInputs& inputs, const GateOptions& options, Gates& gates) {
   std::size_t predicted = 0;
   for (std::size_t i = 0; i < inputs.odometry.size(); ++i) {
@@ -62,6 +38,27 @@ void JudgePrediction(const GateInputs& inputs, const GateOptions& options, Gates
   }
   gates.push_back(AtMost("predicted", share, options.predicted,
                          "share of frames whose pose was guessed, nothing in them being measured"));
+}
+
+// What the trajectory's own sigmas say of its frames that were measured.
+void JudgeSigmas(const GateInputs& inputs, const GateOptions& options, Gates& gates) {
+  std::optional<double> pct;
+  double path_m = 0.0, square_m2 = 0.0;
+  std::size_t measured = 0;
+  const Trajectory& trajectory = inputs.trajectory;
+  for (std::size_t i = 0; i < trajectory.size(); ++i) {
+    const Eigen::Vector3d& here = trajectory[i].world_from_left.translation;
+    if (i > 0) path_m += (here - trajectory[i - 1].world_from_left.translation).norm();
+    if (trajectory[i].source == PoseSource::kPredicted) continue;
+    square_m2 += trajectory[i].sigmas.head<3>().squaredNorm();
+    ++measured;
+  }
+  // A rig that stands has no way to compare with.
+  if (measured > 0 && path_m >= inputs.rig.Baseline()) {
+    pct = 100.0 * std::sqrt(square_m2 / static_cast<double>(measured)) / path_m;
+  }
+  gates.push_back(AtMost("position_sigma_pct", pct, options.position_sigma_pct,
+                         "root mean square sigma of the measured positions, per cent of the path"));
 }
 
 struct StepDifference {
@@ -121,16 +118,43 @@ double MedianDepth(const GateInputs& inputs) {
   return depths.empty() ? 0.0 : Quantile(std::move(depths), 0.5);
 }
 
-// Largest distance of an adjusted camera from the first.
-double PathExtent(const GateInputs& inputs) {
-  std::optional<Eigen::Vector3d> first;
-  double extent_m = 0.0;
-  for (const auto& pose : inputs.adjustment.world_from_left) {
-    if (!pose) continue;
-    if (!first) first = pose->translation;
-    extent_m = std::max(extent_m, (pose->translation - *first).norm());
+// Median distance of the adjusted stereo pairs from their epipolar lines in the right image, by the
+// rig as it was corrected: what was found before was measured with the calibrated one.
+std::optional<double> EpipolarErrorPx(const Adjustment& adjustment) {
+  const StereoRig& rig = adjustment.rig;
+  const Eigen::Matrix3d essential =
+      Skew(rig.right_from_left.translation) * rig.right_from_left.rotation.toRotationMatrix();
+  std::vector<double> errors_px;
+  for (const AdjustedPoint& point : adjustment.points) {
+    for (std::size_t i = 0; i + 1 < point.observations.size(); ++i) {
+      const PointObservation &left = point.observations[i], &right = point.observations[i + 1];
+      if (left.frame != right.frame) continue;
+      const auto x = Undistort(rig.left.camera, left.pixel);
+      const auto y = Undistort(rig.right.camera, right.pixel);
+      if (!x || !y) continue;
+      const Eigen::Vector3d line = essential * x->homogeneous();
+      errors_px.push_back(rig.right.camera.MeanFocal() * std::abs(y->homogeneous().dot(line)) /
+                          line.head<2>().norm());
+    }
   }
-  return extent_m;
+  if (errors_px.empty()) return std::nullopt;
+  return Median(std::move(errors_px));
+}
+
+// A rig that the part corrected has to stay near its calibration.
+void JudgeCorrection(const GateInputs& inputs, const GateOptions& options, Gates& gates) {
+  std::optional<double> sigmas;
+  if (inputs.adjustment.IsRigCorrected()) {
+    sigmas = inputs.adjustment.rig_correction_sigmas.cwiseAbs().maxCoeff();
+  }
+  gates.push_back(AtMost("rig_refinement_sigmas", sigmas, options.rig_refinement_sigmas,
+                         "how far the rig was corrected, in sigmas of what a calibration errs by"));
+}
+
+// The sigma that may excuse a correction. One that has grown beyond the limit has not grown by the
+// noise of tracks, but by what a wrong rig leaves over.
+double Excusing(double sigma, double sigma_if_independent, double limit) {
+  return sigma <= limit ? sigma : sigma_if_independent;
 }
 
 void JudgeCalibration(const GateInputs& inputs, const GateOptions& options, Gates& gates) {
@@ -139,23 +163,30 @@ void JudgeCalibration(const GateInputs& inputs, const GateOptions& options, Gate
   const double depth_m = MedianDepth(inputs);
   const double max_turn_rad =
       depth_m > 0.0 ? options.max_depth_error_share * inputs.rig.Baseline() / depth_m : 1.0;
-  const auto& step = inputs.adjustment.calibration;
-  // What the baseline should have been shows against the path; a path shorter than the baseline
-  // adds nothing to what one frame tells, however many frames repeat it.
-  if (step && PathExtent(inputs) >= inputs.rig.Baseline()) {
-    // A correction less certain than the limit says nothing.
-    if (step->rig_rotation_sigma.maxCoeff() < max_turn_rad) {
+  const auto step = inputs.adjustment.calibration
+                        ? RotationAndFocalStep(*inputs.adjustment.calibration)
+                        : std::nullopt;
+  if (step) {
+    // A correction that the path cannot tell to the limit says nothing.
+    if (step->rig_rotation_sigma_if_independent.maxCoeff() < max_turn_rad) {
       turn_deg = kDegrees * step->rig_rotation.norm();
-      turn_sigmas =
-          step->rig_rotation.cwiseQuotient(step->rig_rotation_sigma).cwiseAbs().maxCoeff();
+      turn_sigmas = 0.0;
+      for (int axis = 0; axis < 3; ++axis) {
+        const double sigma = Excusing(step->rig_rotation_sigma(axis),
+                                      step->rig_rotation_sigma_if_independent(axis), max_turn_rad);
+        turn_sigmas = std::max(*turn_sigmas, std::abs(step->rig_rotation(axis)) / sigma);
+      }
       turn_why = fmt::format(
           "the images would turn the right camera by {:.4f} {:.4f} {:.4f} degrees about its x y z",
           kDegrees * step->rig_rotation.x(), kDegrees * step->rig_rotation.y(),
           kDegrees * step->rig_rotation.z());
     }
-    if (100.0 * step->log_focal_sigma < options.intrinsics_consistency_pct) {
+    const double max_log_focal = options.intrinsics_consistency_pct / 100.0;
+    if (step->log_focal_sigma_if_independent < max_log_focal) {
       focal_pct = 100.0 * std::abs(step->log_focal);
-      focal_sigmas = std::abs(step->log_focal) / step->log_focal_sigma;
+      focal_sigmas =
+          std::abs(step->log_focal) /
+          Excusing(step->log_focal_sigma, step->log_focal_sigma_if_independent, max_log_focal);
       focal_why = fmt::format("the images would change the focal lengths by {:+.3f} %",
                               100.0 * step->log_focal);
     }
@@ -177,11 +208,13 @@ OptionFields GateOptions::Fields() {
           {"baseline_rejected", &baseline_rejected},
           {"registered", &registered},
           {"predicted", &predicted},
+          {"position_sigma_pct", &position_sigma_pct},
           {"motion_agreement_sigmas", &motion_agreement_sigmas},
           {"motion_agreement_pct", &motion_agreement_pct},
           {"reprojection_px", &reprojection_px},
           {"outlier_share", &outlier_share},
           {"epipolar_px", &epipolar_px},
+          {"rig_refinement_sigmas", &rig_refinement_sigmas},
           {"max_depth_error_share", &max_depth_error_share},
           {"intrinsics_consistency_pct", &intrinsics_consistency_pct},
           {"consistency_sigmas", &consistency_sigmas},
@@ -196,10 +229,38 @@ void GateOptions::Validate() const {
   }
 }
 
-Gates JudgePart(const GateInputs& inputs, const GateOptions& options) {
+Gates JudgeMapping(const PlacedKeyframes* placed, const GateOptions& options) {
   Gates gates;
-  JudgeBaseline(inputs, options, gates);
-  JudgePrediction(inputs, options, gates);
+  std::optional<double> spread, rejected, registered;
+  if (placed) {
+    std::size_t used = 0, off = 0;
+    for (const PlacedModel& model : placed->models) {
+      spread = std::max(spread.value_or(0.0), model.scale.relative_spread);
+      used += model.scale.pairs_used.size();
+      off += model.scale.pairs_rejected.size();
+    }
+    rejected = static_cast<double>(off) / std::max<double>(1.0, static_cast<double>(used + off));
+    const auto& poses = placed->world_from_left;
+    const auto posed = std::count_if(poses.begin(), poses.end(),
+                                     [](const auto& pose) { return pose.has_value(); });
+    registered = static_cast<double>(posed) / static_cast<double>(poses.size());
+  }
+  gates.push_back(AtMost("baseline_spread", spread, options.baseline_spread,
+                         "spread of the mapped left-right distances: the shape of the map"));
+  gates.push_back(AtMost("baseline_rejected", rejected, options.baseline_rejected,
+                         "share of left-right distances rejected when the scale was taken"));
+  gates.push_back({"registered", registered, options.registered,
+                   !registered || *registered >= options.registered,
+                   "share of keyframes in the model used"});
+  return gates;
+}
+
+bool AllPassed(const Gates& gates) {
+  return std::all_of(gates.begin(), gates.end(), [](const Gate& gate) { return gate.passed; });
+}
+
+Gates JudgeAdjustment(const GateInputs& inputs, const GateOptions& options) {
+  Gates gates;
   JudgeMotion(inputs, options, gates);
   const bool adjusted = !inputs.adjustment.points.empty();
   const auto if_adjusted = [&](double value) {
@@ -209,10 +270,24 @@ Gates JudgePart(const GateInputs& inputs, const GateOptions& options) {
                          options.reprojection_px, "median reprojection error after adjustment"));
   gates.push_back(AtMost("outlier_share", if_adjusted(inputs.adjustment.outlier_share),
                          options.outlier_share, "observations dropped by the adjustment"));
+  return gates;
+}
+
+Gates JudgePart(const GateInputs& inputs, const GateOptions& options) {
+  Gates gates = JudgeMapping(inputs.placed, options);
+  JudgePrediction(inputs, options, gates);
+  JudgeSigmas(inputs, options, gates);
+  const Gates adjusted = JudgeAdjustment(inputs, options);
+  gates.insert(gates.end(), adjusted.begin(), adjusted.end());
   std::optional<double> epipolar;
-  if (!inputs.epipolar_px.empty()) epipolar = Quantile(inputs.epipolar_px, 0.5);
+  if (inputs.adjustment.IsRigCorrected()) {
+    epipolar = EpipolarErrorPx(inputs.adjustment);
+  } else if (!inputs.epipolar_px.empty()) {
+    epipolar = Quantile(inputs.epipolar_px, 0.5);
+  }
   gates.push_back(AtMost("epipolar_px", epipolar, options.epipolar_px,
                          "median distance of stereo matches from their epipolar line"));
+  JudgeCorrection(inputs, options, gates);
   JudgeCalibration(inputs, options, gates);
   return gates;
 }

@@ -23,6 +23,10 @@ struct GateOptions {
   // Share of frames that nothing measured. A black image or two may be bridged; where more than a
   // fifth of the trajectory is guessed it is not a measurement any more.
   double predicted = 0.2;
+  // Root mean square of the position sigmas of all other frames, per cent of the path: what the
+  // result says of itself. Twice it are the 0.2 % that depths and focal lengths are held to;
+  // tracked parts have 0.01 to 0.05.
+  double position_sigma_pct = 0.1;
   // Mapped against odometric steps: their difference in sigmas of the odometry (whose sigmas know
   // nothing of the motion of whole image regions, hence not 3), and in per cent of the step. A step
   // fails only if it is beyond both; the gate, if a tenth of the steps fails.
@@ -33,6 +37,8 @@ struct GateOptions {
   double outlier_share = 0.3;
   // Good real rigs have up to 0.6 px.
   double epipolar_px = 1.0;
+  // A correction of the rig beyond so many sigmas of the adjustment's prior is another rig's.
+  double rig_refinement_sigmas = 3.0;
   // A turn of the right eye by a shifts disparities by f a, which is a share a z / b of the depth
   // at z. The limit is the turn at which the median tracked point would be off by this share.
   double max_depth_error_share = 0.002;
@@ -52,9 +58,17 @@ struct GateInputs {
   const StereoRig& rig;
   const Odometry& odometry;
   const Adjustment& adjustment;
+  const Trajectory& trajectory;
   const PlacedKeyframes* placed = nullptr;
   std::vector<float> epipolar_px;  // median absolute error of each frame
 };
+
+// The gates on what COLMAP made: baseline_spread, baseline_rejected, registered.
+Gates JudgeMapping(const PlacedKeyframes* placed, const GateOptions& options);
+bool AllPassed(const Gates& gates);
+
+// The gates on what the adjustment made of it: motion_agreement, reprojection_px, outlier_share.
+Gates JudgeAdjustment(const GateInputs& inputs, const GateOptions& options);
 
 // All gates but depth_bias_px.
 Gates JudgePart(const GateInputs& inputs, const GateOptions& options);

@@ -51,6 +51,7 @@ std::vector<fs::path> OutputLayout::PublishedBy(const std::string& stage) const 
             root / "trajectory.csv",
             root / "trajectory_midpoint.tum",
             root / "trajectory_antenna.tum",
+            RefinedRig(),
             Sparse(),
             root / "sparse.ply"};
   }

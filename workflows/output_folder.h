@@ -30,6 +30,7 @@ struct OutputLayout {
   std::filesystem::path Images() const { return root / "colmap" / "images"; }
   std::filesystem::path Models() const { return root / "colmap" / "models"; }
   std::filesystem::path Sparse() const { return root / "sparse"; }
+  std::filesystem::path RefinedRig() const { return root / "rig_refined.yaml"; }
 
   // All that a stage may leave for users.
   std::vector<std::filesystem::path> PublishedBy(const std::string& stage) const;

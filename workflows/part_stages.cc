@@ -6,8 +6,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <deque>
 
-#include "adjustment/level_world.h"
+#include "adjustment/free_adjustment.h"
 #include "core/error.h"
 #include "core/progress.h"
 #include "core/statistics.h"
@@ -26,38 +27,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Features of a frame as Extract left them.
-FrameFeatures LoadFeatures(const fs::path& path, const std::string& key) {
-  auto features = ReadArtefact<FrameFeatures>(path, key);
-  if (!features) {
-    throw DataError(
-        fmt::format("{}: expected the features of a frame, found a damaged file; run again with "
-                    "--from features",
-                    path.string()));
-  }
-  return std::move(*features);
-}
-
 std::vector<Rigid3> KeyframePoses(const Odometry& odometry, const KeyframeGraph& graph) {
   std::vector<Rigid3> poses;
   for (const GraphKeyframe& keyframe : graph.keyframes) {
     poses.push_back(odometry[keyframe.frame].world_from_left);
   }
   return poses;
-}
-
-// The gauge of the adjustment laid into the world, and a pose for every frame.
-AdjustedPart LayInWorld(const Dataset& dataset, const Odometry& odometry,
-                        const Adjustment& adjustment) {
-  std::vector<Eigen::Vector3d> points;
-  for (const AdjustedPoint& point : adjustment.points) points.push_back(point.x);
-  std::vector<std::optional<Rigid3>> poses;
-  for (const TimedPose& pose : AssembleTrajectory(odometry, adjustment, Rigid3())) {
-    poses.push_back(pose.world_from_left);
-  }
-  const LevelledWorld world = LevelWorld(poses, points, dataset);
-  return {adjustment, world.world_from_gauge, world.up_source,
-          AssembleTrajectory(odometry, adjustment, world.world_from_gauge)};
 }
 
 }  // namespace
@@ -124,7 +99,41 @@ FeatureIndex PartStages::ExtractAll(const Dataset& dataset, const std::string& o
     index.unreadable_images.insert(index.unreadable_images.end(), unreadable[i].begin(),
                                    unreadable[i].end());
   }
+  index.rig_fixed = FindRigFixed(dataset, index);
   return index;
+}
+
+// Features of a frame as Extract left them, those that belong to the rig taken away.
+FrameFeatures PartStages::LoadFeatures(const Dataset& dataset, const FeatureIndex& index,
+                                       int frame) const {
+  const fs::path path = run_.layout().FeaturesOf(dataset.frames[frame]);
+  auto features = ReadArtefact<FrameFeatures>(path, index.keys[frame]);
+  if (!features) {
+    throw DataError(
+        fmt::format("{}: expected the features of a frame, found a damaged file; run again with "
+                    "--from features",
+                    path.string()));
+  }
+  index.rig_fixed.RemoveFrom(*features);
+  return std::move(*features);
+}
+
+// From each frame to the next and, where the rover crawls, to the third.
+RigFixedCells PartStages::FindRigFixed(const Dataset& dataset, const FeatureIndex& index) const {
+  constexpr std::size_t kFurthest = 3;
+  const Camera& camera = dataset.rig.left.camera;
+  RigFixedVotes votes(camera.width, camera.height);
+  std::deque<FrameFeatures> last;
+  for (int frame = 0; frame < static_cast<int>(dataset.frames.size()); ++frame) {
+    FrameFeatures features = LoadFeatures(dataset, index, frame);
+    if (!last.empty()) votes.Compare(last.back(), features);
+    if (last.size() == kFurthest) {
+      votes.Compare(last.front(), features);
+      last.pop_front();
+    }
+    last.push_back(std::move(features));
+  }
+  return votes.Decide();
 }
 
 Odometry PartStages::Track(const Dataset& dataset, const FeatureIndex& features) const {
@@ -133,7 +142,7 @@ Odometry PartStages::Track(const Dataset& dataset, const FeatureIndex& features)
     Progress progress("odometry", dataset.frames.size());
     const auto load = [&](int frame) {
       progress.Set(static_cast<std::size_t>(frame) + 1);
-      return LoadFeatures(run_.layout().FeaturesOf(dataset.frames[frame]), features.keys[frame]);
+      return LoadFeatures(dataset, features, frame);
     };
     return TrackFrames(static_cast<int>(dataset.frames.size()), load, dataset.rig, options);
   };
@@ -148,13 +157,12 @@ Odometry PartStages::Track(const Dataset& dataset, const FeatureIndex& features)
 Correspondences PartStages::Match(const Dataset& dataset, const FeatureIndex& features,
                                   const Odometry& odometry) const {
   const auto& options = request_.options.matching;
-  const auto load = [&](int frame) {
-    return LoadFeatures(run_.layout().FeaturesOf(dataset.frames[frame]), features.keys[frame]);
-  };
+  const auto load = [&](int frame) { return LoadFeatures(dataset, features, frame); };
   return run_.Run(Stage<Correspondences>{
       .name = "matching",
       .options = OptionsText(options),
       .make = [&] { return MatchFrames(odometry, load, dataset.rig, options); },
+      .report = [&](const Correspondences& found) { summary_.SetRevisits(found.revisits); },
   });
 }
 
@@ -179,6 +187,7 @@ KeyframeGraph PartStages::WriteGraph(const Dataset& dataset, const Odometry& odo
 MappingResult PartStages::Map(const Dataset& dataset, const Odometry& odometry,
                               const Correspondences& matches, const KeyframeGraph& graph) const {
   const auto& options = request_.options.mapping;
+  const GateOptions& gates = request_.options.gates;
   const OutputLayout& layout = run_.layout();
   const auto make = [&] {
     if (graph.keyframes.size() < kMinMappedKeyframes) {
@@ -188,17 +197,61 @@ MappingResult PartStages::Map(const Dataset& dataset, const Odometry& odometry,
     const GraphWithPoses input{graph, matches, dataset.rig, KeyframePoses(odometry, graph)};
     const MappingPaths paths{layout.Database(), layout.Images(), layout.Models(), layout.Scratch(),
                              layout.Log("mapping")};
-    MappingResult mapped = MapKeyframes(colmap_, input, paths, options, request_.threads);
+    MappingResult mapped = MapTheNextBestWay(input, paths);
     fs::remove_all(layout.Scratch());
     return mapped;
   };
   return run_.Run(Stage<MappingResult>{
       .name = "mapping",
-      .options = OptionsText(options),
+      .options =
+          OptionsText(options) + OptionsText(request_.options.scale) +
+          fmt::format("{} {} {}", gates.baseline_spread, gates.baseline_rejected, gates.registered),
       .make = make,
       .report = [&](const MappingResult& mapped) { summary_.SetMapping(mapped); },
       .published = {layout.Models()},
   });
+}
+
+// As the options say; where that fails a gate, triangulated on the odometric poses.
+MappingResult PartStages::MapTheNextBestWay(const GraphWithPoses& input,
+                                            const MappingPaths& paths) const {
+  const PartOptions& options = request_.options;
+  const auto map = [&](const std::string& method, const fs::path& models) {
+    MappingOptions how = options.mapping;
+    how.method = method;
+    MappingPaths where = paths;
+    where.models = models;
+    MappingResult mapped = MapKeyframes(colmap_, input, where, how, request_.threads);
+    // Poses of the odometry agree with the rig whatever the images say: let these speak.
+    if (mapped.method == "triangulate") {
+      for (SparseModel& model : mapped.models) {
+        model = AdjustFreely(model, input.rig, options.matching.min_inliers, {});
+      }
+    }
+    return mapped;
+  };
+  const auto judge = [&](const MappingResult& mapped) {
+    const PlacedKeyframes placed =
+        PlaceModels(mapped.models, input.world_from_left, input.rig, options.scale);
+    return JudgeMapping(&placed, options.gates);
+  };
+  MappingResult first = map(options.mapping.method, paths.models);
+  const Gates gates = judge(first);
+  if (first.method != "seeded" || AllPassed(gates)) return first;
+  const std::string reason = FailureReason(gates);
+  spdlog::warn("{}; triangulating the odometric poses instead", reason);
+  const fs::path aside = paths.scratch / "other-models";
+  MappingResult second = map("triangulate", aside);
+  if (!AllPassed(judge(second))) {
+    first.remarks.push_back(
+        fmt::format("{}; triangulating the odometric poses instead did not mend it", reason));
+    return first;
+  }
+  fs::remove_all(paths.models);
+  fs::rename(aside, paths.models);
+  second.remarks.push_back(
+      fmt::format("{}, so the odometric poses were triangulated instead", reason));
+  return second;
 }
 
 PlacedKeyframes PartStages::Scale(const Dataset& dataset, const Odometry& odometry,
@@ -219,32 +272,40 @@ AdjustedPart PartStages::Adjust(const Dataset& dataset, const FeatureIndex& feat
                                 const Odometry& odometry, const Correspondences& matches,
                                 const KeyframeGraph& graph, const PlacedKeyframes& placed) const {
   const auto& options = request_.options.adjustment;
+  const GateOptions& gates = request_.options.gates;
   const OutputLayout& layout = run_.layout();
   const auto make = [&] {
     std::vector<std::optional<Rigid3>> mapped(odometry.size());
     for (std::size_t k = 0; k < graph.keyframes.size(); ++k) {
       mapped[graph.keyframes[k].frame] = placed.world_from_left[k];
     }
-    const Adjustment adjustment =
-        AdjustBundle({matches, dataset.rig, StartingPoses(odometry, mapped)}, options);
-    return LayInWorld(dataset, odometry, adjustment);
+    const auto load = [&](int frame) { return LoadFeatures(dataset, features, frame); };
+    return AdjustPart({dataset, matches, odometry, std::move(mapped), load, request_.options});
   };
   const auto report = [&](const AdjustedPart& part) {
     summary_.SetTrajectory(part.trajectory, part.world_up);
+    summary_.SetRig(dataset.rig, part.adjustment.rig);
+    summary_.AddRemarks(part.remarks);
     const PlacedKeyframes* mapped = placed.models.empty() ? nullptr : &placed;
-    summary_.AddGates(
-        JudgePart({dataset.rig, odometry, part.adjustment, mapped, features.epipolar_px},
-                  request_.options.gates));
+    summary_.AddGates(JudgePart({dataset.rig, part.odometry, part.adjustment, part.trajectory,
+                                 mapped, features.epipolar_px},
+                                request_.options.gates));
   };
   const auto publish = [&](const AdjustedPart& part) {
     WriteSparseOutput(MakeSparseOutput(dataset, part.adjustment, part.world_from_gauge), layout);
-    WriteTrajectoryOutput(dataset.rig, part.trajectory, layout.root);
+    WriteTrajectoryOutput(part.adjustment.rig, part.trajectory, layout.root);
+    if (part.adjustment.IsRigCorrected()) {
+      WriteRigOutput(part.adjustment.rig, layout.RefinedRig());
+    }
   };
   std::vector<fs::path> published = layout.PublishedBy("adjustment");
+  std::erase(published, layout.RefinedRig());  // which only a corrected rig leaves
   if (!dataset.rig.antenna_in_left) std::erase(published, layout.root / "trajectory_antenna.tum");
   return run_.Run(Stage<AdjustedPart>{
       .name = "adjustment",
-      .options = OptionsText(options),
+      .options = OptionsText(options) + fmt::format("{} {} {} {}", gates.motion_agreement_sigmas,
+                                                    gates.motion_agreement_pct,
+                                                    gates.reprojection_px, gates.outlier_share),
       .make = make,
       .report = report,
       .publish = publish,

@@ -6,6 +6,7 @@
 
 #include "adjustment/adjust.h"
 #include "colmap/installation.h"
+#include "features/rig_fixed.h"
 #include "mapping/map_keyframes.h"
 #include "scale/baseline_scale.h"
 #include "scene/correspondences.h"
@@ -13,6 +14,7 @@
 #include "scene/keyframe_graph.h"
 #include "scene/odometry.h"
 #include "scene/trajectory.h"
+#include "workflows/adjust_part.h"
 #include "workflows/part_request.h"
 #include "workflows/part_summary.h"
 #include "workflows/stage_runner.h"
@@ -28,22 +30,11 @@ struct FeatureIndex {
   std::vector<float> epipolar_px;  // median absolute error per frame that has any
   std::vector<int> unreadable_frames;
   std::vector<std::string> unreadable_images;  // of these frames
+  RigFixedCells rig_fixed;                     // whose features no stage gets
 
   template <class Archive>
   void serialize(Archive& archive) {
-    archive(keys, epipolar_px, unreadable_frames, unreadable_images);
-  }
-};
-
-struct AdjustedPart {
-  Adjustment adjustment;  // in its own gauge
-  Rigid3 world_from_gauge;
-  std::string world_up;
-  Trajectory trajectory;  // every paired frame, in the world
-
-  template <class Archive>
-  void serialize(Archive& archive) {
-    archive(adjustment, world_from_gauge, world_up, trajectory);
+    archive(keys, epipolar_px, unreadable_frames, unreadable_images, rig_fixed);
   }
 };
 
@@ -92,6 +83,9 @@ class PartStages {
   void Evaluate(const Dataset& dataset, const AdjustedPart& part) const;
 
  private:
+  FrameFeatures LoadFeatures(const Dataset& dataset, const FeatureIndex& index, int frame) const;
+  RigFixedCells FindRigFixed(const Dataset& dataset, const FeatureIndex& index) const;
+  MappingResult MapTheNextBestWay(const GraphWithPoses& input, const MappingPaths& paths) const;
   FeatureIndex ExtractAll(const Dataset& dataset, const std::string& options) const;
   DepthIndex MatchAllDense(const Dataset& dataset, const AdjustedPart& part,
                            const std::vector<int>& frames, const std::string& options) const;

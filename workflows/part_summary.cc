@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
+#include <numbers>
 
 #include "core/file.h"
 
@@ -51,6 +52,23 @@ Json ScaleJson(const std::optional<PlacedKeyframes>& placed) {
   return scale;
 }
 
+// How the rig was corrected: the turn of the right eye about its own axes, the focal lengths'
+// change.
+Json RigJson(const std::optional<std::pair<StereoRig, StereoRig>>& rigs) {
+  Json json = {
+      {"refined", nullptr}, {"right_eye_turned_deg", nullptr}, {"focal_changed_pct", nullptr}};
+  if (!rigs) return json;
+  const auto& [calibrated, used] = *rigs;
+  const Eigen::Vector3d turn_deg =
+      180.0 / std::numbers::pi *
+      LogRotation(used.right_from_left.rotation * calibrated.right_from_left.rotation.conjugate());
+  const double focal_pct = 100.0 * (used.left.camera.fx / calibrated.left.camera.fx - 1.0);
+  json["refined"] = !turn_deg.isZero() || focal_pct != 0.0;
+  json["right_eye_turned_deg"] = {turn_deg.x(), turn_deg.y(), turn_deg.z()};
+  json["focal_changed_pct"] = focal_pct;
+  return json;
+}
+
 Json GatesJson(const Gates& gates) {
   Json list = Json::array();
   for (const Gate& gate : gates) {
@@ -83,9 +101,19 @@ void PartSummary::AddUnreadableImages(const std::vector<std::string>& paths) {
   all.erase(std::unique(all.begin(), all.end()), all.end());
 }
 
+void PartSummary::SetRevisits(const std::vector<Revisit>& revisits) {
+  revisits_ = static_cast<int>(revisits.size());
+  revisits_by_appearance_ = static_cast<int>(
+      std::ranges::count_if(revisits, [](const Revisit& r) { return r.by_appearance; }));
+}
+
 void PartSummary::SetMapping(const MappingResult& mapped) {
   method_ = mapped.method;
-  remarks_ = mapped.remarks;
+  AddRemarks(mapped.remarks);
+}
+
+void PartSummary::AddRemarks(const std::vector<std::string>& remarks) {
+  remarks_.insert(remarks_.end(), remarks.begin(), remarks.end());
 }
 
 void PartSummary::SetScale(const PlacedKeyframes& placed) {
@@ -93,6 +121,10 @@ void PartSummary::SetScale(const PlacedKeyframes& placed) {
   registered_ =
       static_cast<int>(std::count_if(placed.world_from_left.begin(), placed.world_from_left.end(),
                                      [](const auto& pose) { return pose.has_value(); }));
+}
+
+void PartSummary::SetRig(const StereoRig& calibrated, const StereoRig& used) {
+  rigs_ = {calibrated, used};
 }
 
 void PartSummary::SetTrajectory(const Trajectory& trajectory, const std::string& world_up) {
@@ -116,6 +148,8 @@ PartResult PartSummary::Write(const StageRunner& run) const {
                        {"keyframes", OrNull(keyframes_)},
                        {"registered", OrNull(registered_)},
                        {"posed", OrNull(posed_)}};
+  summary["revisits"] = {{"pairs", OrNull(revisits_)},
+                         {"by_appearance", OrNull(revisits_by_appearance_)}};
   if (health_) {
     summary["health"] = {{"lone_images", health_->lone_images},
                          {"unreadable_images", health_->unreadable_images},
@@ -123,6 +157,7 @@ PartResult PartSummary::Write(const StageRunner& run) const {
   }
   summary["mapping"] = {{"method", TextOrNull(method_)}, {"remarks", remarks_}};
   summary["scale"] = ScaleJson(placed_);
+  summary["rig"] = RigJson(rigs_);
   summary["gates"] = GatesJson(gates_);
   summary["versions"] = {{"rigmap", RIGMAP_VERSION}, {"colmap", TextOrNull(colmap_version_)}};
   summary["command"] = request_.command;

@@ -6,6 +6,7 @@
 
 #include "mapping/map_keyframes.h"
 #include "scale/baseline_scale.h"
+#include "scene/correspondences.h"
 #include "scene/dataset.h"
 #include "scene/gate.h"
 #include "scene/trajectory.h"
@@ -23,9 +24,12 @@ class PartSummary {
   // Images that only reading them whole showed to be damaged may be among them.
   void AddUnreadableImages(const std::vector<std::string>& paths);
   void SetKeyframes(int keyframes) { keyframes_ = keyframes; }
+  void SetRevisits(const std::vector<Revisit>& revisits);
   void SetMapping(const MappingResult& mapped);
+  void AddRemarks(const std::vector<std::string>& remarks);
   void SetScale(const PlacedKeyframes& placed);
   void SetTrajectory(const Trajectory& trajectory, const std::string& world_up);
+  void SetRig(const StereoRig& calibrated, const StereoRig& used);
   void AddGates(const Gates& gates) { gates_.insert(gates_.end(), gates.begin(), gates.end()); }
   void SetColmapVersion(const std::string& version) { colmap_version_ = version; }
   void Fail(const std::string& reason) { failure_ = reason; }
@@ -37,9 +41,11 @@ class PartSummary {
   const PartRequest& request_;
   std::optional<DatasetHealth> health_;
   std::optional<int> paired_, keyframes_, registered_, posed_;
+  std::optional<int> revisits_, revisits_by_appearance_;
   std::vector<std::string> remarks_;
   std::string method_, world_up_, failure_, colmap_version_;
   std::optional<PlacedKeyframes> placed_;
+  std::optional<std::pair<StereoRig, StereoRig>> rigs_;  // as calibrated, as used
   Gates gates_;
 };
 

@@ -34,17 +34,27 @@ Rigid3 OdometricStep(const Odometry& odometry, int from, int to) {
   return odometry[from].world_from_left.Inverse() * odometry[to].world_from_left;
 }
 
-// Of frame i, from the adjustment or from the frames before it.
+// Indices of all frames, each after the one it hangs on: from the first posed one to the last, then
+// from there back to the start.
+std::vector<int> FromFirstPosed(const Odometry& odometry) {
+  const int first = FirstPosedFrame(odometry), count = static_cast<int>(odometry.size());
+  std::vector<int> order;
+  for (int i = first; i < count; ++i) order.push_back(i);
+  for (int i = first - 1; i >= 0; --i) order.push_back(i);
+  return order;
+}
+
+// Of frame i, from the adjustment or from the frame it hangs on, whose pose is known.
 Uncertain PoseOf(int i, const Odometry& odometry, const Adjustment& adjustment,
-                 const std::vector<Uncertain>& before) {
+                 const std::vector<Uncertain>& known) {
   const OdometryFrame& frame = odometry[i];
   const auto& adjusted = adjustment.world_from_left[i];
   if (adjusted && adjustment.anchors[i] != i) {
     // Known relative to its anchor, whose own uncertainty it shares.
-    return {*adjusted, Carry(before[adjustment.anchors[i]], *adjusted) + adjustment.covariances[i]};
+    return {*adjusted, Carry(known[adjustment.anchors[i]], *adjusted) + adjustment.covariances[i]};
   }
   if (frame.reference == i) return {adjusted.value_or(frame.world_from_left)};
-  const Uncertain& reference = before[frame.reference];
+  const Uncertain& reference = known[frame.reference];
   const Rigid3 pose =
       adjusted.value_or(reference.gauge_from_left * OdometricStep(odometry, frame.reference, i));
   return {pose, Chain(reference, pose, frame.step_covariance)};
@@ -96,22 +106,27 @@ TimedPose ToWorld(const OdometryFrame& frame, const Uncertain& pose, bool adjust
 
 }  // namespace
 
+int FirstPosedFrame(const Odometry& odometry) {
+  int first = 0;
+  while (odometry[first].reference != first) ++first;
+  return first;
+}
+
 std::vector<std::optional<Rigid3>> StartingPoses(const Odometry& odometry,
                                                  const std::vector<std::optional<Rigid3>>& mapped) {
-  std::vector<Rigid3> poses;
-  std::vector<std::optional<Rigid3>> starting;
-  for (std::size_t i = 0; i < odometry.size(); ++i) {
+  std::vector<Rigid3> poses(odometry.size());
+  std::vector<std::optional<Rigid3>> starting(odometry.size());
+  const int first = FirstPosedFrame(odometry), count = static_cast<int>(odometry.size());
+  for (int i = first; i < count; ++i) {
     const OdometryFrame& frame = odometry[i];
-    const auto reference = static_cast<std::size_t>(frame.reference);
-    Rigid3 pose = frame.world_from_left;
-    if (i < mapped.size() && mapped[i]) {
-      pose = *mapped[i];
-    } else if (reference != i) {
-      pose = poses[reference] * OdometricStep(odometry, frame.reference, static_cast<int>(i));
+    poses[i] = frame.world_from_left;
+    if (i < static_cast<int>(mapped.size()) && mapped[i]) {
+      poses[i] = *mapped[i];
+    } else if (frame.reference != i) {
+      poses[i] = poses[frame.reference] * OdometricStep(odometry, frame.reference, i);
     }
-    poses.push_back(pose);
     const bool measured = frame.source == PoseSource::kOdometry && !frame.stands_still;
-    starting.push_back(measured || frame.keyframe ? std::optional(pose) : std::nullopt);
+    if (measured || frame.keyframe) starting[i] = poses[i];
   }
   return starting;
 }
@@ -119,8 +134,8 @@ std::vector<std::optional<Rigid3>> StartingPoses(const Odometry& odometry,
 Trajectory AssembleTrajectory(const Odometry& odometry, const Adjustment& adjustment,
                               const Rigid3& world_from_gauge) {
   const int count = static_cast<int>(odometry.size());
-  std::vector<Uncertain> poses;
-  for (int i = 0; i < count; ++i) poses.push_back(PoseOf(i, odometry, adjustment, poses));
+  std::vector<Uncertain> poses(odometry.size());
+  for (const int i : FromFirstPosed(odometry)) poses[i] = PoseOf(i, odometry, adjustment, poses);
   for (int first = 1; first < count; ++first) {
     if (odometry[first].source != PoseSource::kPredicted || adjustment.world_from_left[first]) {
       continue;

@@ -58,8 +58,8 @@ void LinkImages(const Dataset& dataset, const fs::path& images) {
 SparseModel MakeSparseOutput(const Dataset& dataset, const Adjustment& adjustment,
                              const Rigid3& world_from_gauge) {
   SparseModel model;
-  model.cameras = {{kLeftCameraId, dataset.rig.left.camera},
-                   {kRightCameraId, dataset.rig.right.camera}};
+  const StereoRig& rig = adjustment.rig;
+  model.cameras = {{kLeftCameraId, rig.left.camera}, {kRightCameraId, rig.right.camera}};
   std::vector<std::size_t> first_image(dataset.frames.size(), 0);
   std::vector<Rigid3> left_from_gauge(dataset.frames.size());
   for (std::size_t i = 0; i < dataset.frames.size(); ++i) {
@@ -73,7 +73,7 @@ SparseModel MakeSparseOutput(const Dataset& dataset, const Adjustment& adjustmen
                             ImageName(dataset.frames[i], Eye::kLeft), left_from_world});
     model.images.push_back({RightImageId(frame), kRightCameraId,
                             ImageName(dataset.frames[i], Eye::kRight),
-                            adjustment.right_from_left * left_from_world});
+                            rig.right_from_left * left_from_world});
   }
   for (const AdjustedPoint& adjusted : adjustment.points) {
     SparsePoint point{.id = model.points.size() + 1, .x_in_model = world_from_gauge * adjusted.x};
@@ -82,8 +82,7 @@ SparseModel MakeSparseOutput(const Dataset& dataset, const Adjustment& adjustmen
       SparseImage& image = model.images[first_image[o.frame] + (o.eye == Eye::kLeft ? 0 : 1)];
       point.track.push_back({image.id, static_cast<std::uint32_t>(image.keypoints.size())});
       image.keypoints.push_back({o.pixel, point.id});
-      const auto seen = Reproject(dataset.rig, o.eye, adjustment.right_from_left,
-                                  left_from_gauge[o.frame], adjusted.x);
+      const auto seen = Reproject(rig, o.eye, left_from_gauge[o.frame], adjusted.x);
       if (seen) error_px += (seen->pixel - o.pixel).norm();
     }
     point.error_px = error_px / static_cast<double>(adjusted.observations.size());

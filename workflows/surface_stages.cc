@@ -114,9 +114,9 @@ DepthIndex PartStages::MatchAllDense(const Dataset& dataset, const AdjustedPart&
   DepthIndex index;
   index.frames = frames;
   index.keys.resize(index.frames.size());
-  const DenseMatcher matcher(dataset.rig, request_.options.dense, request_.options.masks);
+  const DenseMatcher matcher(part.adjustment.rig, request_.options.dense, request_.options.masks);
   const auto points = PointsInLeft(part.adjustment);
-  const std::string rig = DescribeRig(dataset.rig);
+  const std::string rig = DescribeRig(part.adjustment.rig);
   std::vector<std::optional<double>> biases(index.frames.size());
   Progress progress("dense", index.frames.size());
   tbb::task_arena arena(DenseThreads(dataset.rig, request_));

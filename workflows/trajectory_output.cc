@@ -1,6 +1,9 @@
 #include "workflows/trajectory_output.h"
 
+#include <fmt/format.h>
+
 #include "core/file.h"
+#include "dataset/rig_file.h"
 #include "export/trajectory_csv.h"
 #include "export/tum.h"
 
@@ -26,6 +29,12 @@ void WriteTrajectoryOutput(const StereoRig& rig, const Trajectory& trajectory,
     WriteText(folder / "trajectory_antenna.tum", TumOfPoint(trajectory, *rig.antenna_in_left));
   }
   WriteText(folder / "trajectory.tum", WriteTum(trajectory));
+}
+
+void WriteRigOutput(const StereoRig& rig, const std::filesystem::path& file) {
+  WriteText(file, fmt::format("# The rig of {}, corrected by the images of one part.\n",
+                              std::filesystem::path(rig.source).filename().string()) +
+                      WriteRigFile(rig));
 }
 
 }  // namespace rigmap

@@ -1,4 +1,4 @@
-// The trajectory as users read it.
+// The trajectory, and the rig where it was corrected, as users read them.
 #pragma once
 
 #include <filesystem>
@@ -12,5 +12,8 @@ namespace rigmap {
 // and, last, trajectory.tum.
 void WriteTrajectoryOutput(const StereoRig& rig, const Trajectory& trajectory,
                            const std::filesystem::path& folder);
+
+// The rig that the part corrected, as a rig file that says so.
+void WriteRigOutput(const StereoRig& rig, const std::filesystem::path& file);
 
 }  // namespace rigmap

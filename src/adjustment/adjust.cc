@@ -1,5 +1,6 @@
 #include "adjustment/adjust.h"
 
+#include <fmt/ranges.h>
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
@@ -22,8 +23,7 @@ std::vector<double> ErrorsPx(const std::vector<AdjustedPoint>& points,
   std::vector<double> errors;
   for (const AdjustedPoint& point : points) {
     for (const PointObservation& o : point.observations) {
-      const auto at =
-          Reproject(rig, o.eye, rig.right_from_left, *left_from_world[o.frame], point.x);
+      const auto at = Reproject(rig, o.eye, *left_from_world[o.frame], point.x);
       errors.push_back(at ? (at->pixel - o.pixel).norm() : std::numeric_limits<double>::infinity());
     }
   }
@@ -51,7 +51,8 @@ class Adjuster {
       : input_(input),
         options_(options),
         tracks_(BuildTracks(input.correspondences, false)),
-        bundle_{.rig = input.rig} {
+        bundle_{.rig = Corrected(input.rig, input.correction)},
+        correction_(input.correction) {
     for (const auto& pose : input.world_from_left) {
       bundle_.left_from_world.push_back(pose ? std::optional(pose->Inverse()) : std::nullopt);
     }
@@ -62,27 +63,77 @@ class Adjuster {
     constexpr double kStartErrorPx = 8.0;
     double max_error_px = kStartErrorPx;
     for (int round = 0; round < options_.rounds; ++round) {
-      bundle_.points = TriangulateWithin(max_error_px);
-      DropThinFrames();
-      if (bundle_.points.empty()) break;
       // Before outliers are dropped there is no point in the last digits.
-      AdjustmentOptions options = options_;
       constexpr double kRoughTolerance = 1e-4;
-      if (round + 1 < options_.rounds) options.function_tolerance = kRoughTolerance;
-      SolveBundle(input_.rig.right_from_left, noise_px_, options, bundle_);
-      const auto errors = ErrorsPx(bundle_.points, bundle_.left_from_world, bundle_.rig);
-      noise_px_ = NoisePx(errors, Redundancy(), options_.min_noise_px);
-      Cull(errors);
-      DropThinFrames();
-      spdlog::info("round {}: noise {:.3f} px, {} points, {} of {} observations dropped", round,
-                   noise_px_, bundle_.points.size(),
-                   errors.size() - ObservationCount(bundle_.points), errors.size());
+      const bool last = round + 1 == options_.rounds;
+      Round(max_error_px, last ? options_.function_tolerance : kRoughTolerance);
       max_error_px = options_.outlier_sigmas * noise_px_;
     }
-    return Result();
+    CameraSystemResult system = SolveSystem();
+    constexpr int kMaxCorrections = 5;
+    for (int i = 0; i < kMaxCorrections && CorrectRig(system); ++i) {
+      Round(max_error_px, options_.function_tolerance);
+      max_error_px = options_.outlier_sigmas * noise_px_;
+      system = SolveSystem();
+    }
+    return Result(std::move(system));
   }
 
  private:
+  void Round(double max_error_px, double function_tolerance) {
+    bundle_.points = TriangulateWithin(max_error_px);
+    DropThinFrames();
+    if (bundle_.points.empty()) return;
+    AdjustmentOptions options = options_;
+    options.function_tolerance = function_tolerance;
+    SolveBundle(noise_px_, options, bundle_);
+    const auto errors = ErrorsPx(bundle_.points, bundle_.left_from_world, bundle_.rig);
+    noise_px_ = NoisePx(errors, Redundancy(), options_.min_noise_px);
+    Cull(errors);
+    DropThinFrames();
+    spdlog::info("noise {:.3f} px, {} points, {} of {} observations dropped", noise_px_,
+                 bundle_.points.size(), errors.size() - ObservationCount(bundle_.points),
+                 errors.size());
+  }
+
+  CameraSystemResult SolveSystem() const {
+    CameraSystemResult system =
+        SolveCameraSystem(bundle_.points, bundle_.left_from_world, bundle_.rig, noise_px_,
+                          options_.huber_sigmas * noise_px_);
+    if (PathExtent() < bundle_.rig.Baseline()) system.calibration.reset();
+    return system;
+  }
+
+  // Largest distance of a camera from the first.
+  double PathExtent() const {
+    std::optional<Eigen::Vector3d> first;
+    double extent_m = 0.0;
+    for (const auto& pose : bundle_.left_from_world) {
+      if (!pose) continue;
+      const Eigen::Vector3d place = pose->Inverse().translation;
+      if (!first) first = place;
+      extent_m = std::max(extent_m, (place - *first).norm());
+    }
+    return extent_m;
+  }
+
+  // False, with nothing changed, where no correction is asked for or the last one has settled.
+  bool CorrectRig(const CameraSystemResult& system) {
+    if (!system.calibration) return false;
+    const auto better = BetterCorrection(correction_, *system.calibration, options_);
+    if (!better) return false;
+    correction_covariance_ = better->covariance;
+    constexpr double kSettledSigmas = 0.1;
+    const CalibrationVector step = better->correction - correction_;
+    const CalibrationVector sigmas = better->covariance.diagonal().cwiseSqrt();
+    if ((step.array().abs() <= kSettledSigmas * sigmas.array()).all()) return false;
+    correction_ = better->correction;
+    bundle_.rig = Corrected(input_.rig, correction_);
+    spdlog::info("rig corrected, in sigmas of the prior, by {:.3f}",
+                 fmt::join(InPriorSigmas(correction_, options_), " "));
+    return true;
+  }
+
   std::vector<AdjustedPoint> TriangulateWithin(double max_error_px) const {
     return TriangulateTracks(tracks_, input_.correspondences, bundle_.rig, bundle_.left_from_world,
                              max_error_px, options_.max_depth_baselines * bundle_.rig.Baseline());
@@ -146,11 +197,15 @@ class Adjuster {
       const Matrix6d grow =
           left_from_world.transpose() * system.inflations[i].asDiagonal() * left_from_world;
       covariances[i] = grow * covariances[i] * grow.transpose();
+      if (correction_.isZero() || system.by_calibration.empty()) continue;
+      // A rig that was found from the same images is uncertain itself.
+      covariances[i] +=
+          system.by_calibration[i] * correction_covariance_ * system.by_calibration[i].transpose();
     }
     return covariances;
   }
 
-  Adjustment Result() {
+  Adjustment Result(CameraSystemResult system) {
     Adjustment result;
     result.observation_counts = ObservationsPerFrame();
     const auto errors = ErrorsPx(bundle_.points, bundle_.left_from_world, bundle_.rig);
@@ -161,13 +216,12 @@ class Adjuster {
     result.outlier_share =
         1.0 - static_cast<double>(errors.size()) /
                   static_cast<double>(std::max({all, errors.size(), std::size_t{1}}));
-    CameraSystemResult system =
-        SolveCameraSystem(bundle_.points, bundle_.left_from_world, bundle_.rig, noise_px_,
-                          options_.huber_sigmas * noise_px_);
-    result.anchors = std::move(system.anchors);
     result.covariances = InflatedCovariances(system);
+    result.anchors = std::move(system.anchors);
     result.calibration = system.calibration;
-    result.right_from_left = bundle_.rig.right_from_left;
+    result.rig = bundle_.rig;
+    result.rig_correction = correction_;
+    result.rig_correction_sigmas = InPriorSigmas(correction_, options_);
     for (const auto& pose : bundle_.left_from_world) {
       result.world_from_left.push_back(pose ? std::optional(pose->Inverse()) : std::nullopt);
     }
@@ -179,6 +233,8 @@ class Adjuster {
   const AdjustmentOptions& options_;
   std::vector<Track> tracks_;
   Bundle bundle_;
+  CalibrationVector correction_;
+  CalibrationMatrix correction_covariance_ = CalibrationMatrix::Zero();
   double noise_px_ = 1.0;
 };
 

@@ -18,6 +18,7 @@ struct AdjustmentInput {
   // Metric starting poses; a frame without one is not adjusted. The first that has one is held, and
   // so is the first of every further group of frames that shares no points with those before.
   std::vector<std::optional<Rigid3>> world_from_left;
+  CalibrationVector correction = CalibrationVector::Zero();  // of the rig, to start from
 };
 
 struct Adjustment {
@@ -26,16 +27,23 @@ struct Adjustment {
   std::vector<Matrix6d> covariances;                   // CameraSystemResult's, inflated
   std::vector<int> observation_counts;                 // per frame, after the last cull
   std::vector<AdjustedPoint> points;
-  Rigid3 right_from_left;        // as calibrated, unless refined
+  StereoRig rig;  // as calibrated, unless the part corrected it
+  // By how much it was corrected, also in sigmas of the prior; zero if it was not.
+  CalibrationVector rig_correction = CalibrationVector::Zero();
+  CalibrationVector rig_correction_sigmas = CalibrationVector::Zero();
   double noise_px = 0.0;         // robust sigma of one residual coordinate
   double reprojection_px = 0.0;  // median distance
   double outlier_share = 0.0;    // of all observations of tracks in the posed frames
-  std::optional<CalibrationStep> calibration;
+  // Nothing on a path shorter than the baseline, which adds nothing to what one frame tells of the
+  // rig, however many frames repeat it.
+  std::optional<CalibrationEquations> calibration;
+
+  bool IsRigCorrected() const { return !rig_correction_sigmas.isZero(); }
 
   template <class Archive>
   void serialize(Archive& archive) {
-    archive(world_from_left, anchors, covariances, observation_counts, points, right_from_left,
-            noise_px, reprojection_px, outlier_share, calibration);
+    archive(world_from_left, anchors, covariances, observation_counts, points, rig, rig_correction,
+            rig_correction_sigmas, noise_px, reprojection_px, outlier_share, calibration);
   }
 };
 

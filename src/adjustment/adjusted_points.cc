@@ -27,7 +27,7 @@ std::optional<std::ptrdiff_t> WorstBeyond(double max_error_px, const AdjustedPoi
   double worst_px = max_error_px;
   for (std::size_t i = 0; i < point.observations.size(); ++i) {
     const PointObservation& o = point.observations[i];
-    const auto at = Reproject(rig, o.eye, rig.right_from_left, *poses[o.frame], point.x);
+    const auto at = Reproject(rig, o.eye, *poses[o.frame], point.x);
     const double error_px =
         at ? (at->pixel - o.pixel).norm() : std::numeric_limits<double>::infinity();
     if (error_px <= worst_px) continue;

@@ -1,12 +1,22 @@
 #include "adjustment/adjustment_options.h"
 
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <array>
+#include <string_view>
+
 #include "core/error.h"
 
 namespace rigmap {
 
 OptionFields AdjustmentOptions::Fields() {
   return {{"refine_rig", &refine_rig},
+          {"refine_sigmas", &refine_sigmas},
           {"rig_prior_deg", &rig_prior_deg},
+          {"focal_prior_pct", &focal_prior_pct},
+          {"principal_point_prior_px", &principal_point_prior_px},
+          {"distortion_prior", &distortion_prior},
           {"huber_sigmas", &huber_sigmas},
           {"outlier_sigmas", &outlier_sigmas},
           {"min_noise_px", &min_noise_px},
@@ -17,14 +27,20 @@ OptionFields AdjustmentOptions::Fields() {
 }
 
 void AdjustmentOptions::Validate() const {
-  if (refine_rig != "none" && refine_rig != "rotation") {
-    throw UsageError("option adjustment.refine_rig: expected none or rotation, found '" +
-                     refine_rig + "'");
+  constexpr std::array<std::string_view, 5> kRefined{"none", "rotation", "rotation+focal", "all",
+                                                     "auto"};
+  if (std::find(kRefined.begin(), kRefined.end(), refine_rig) == kRefined.end()) {
+    throw UsageError(fmt::format("option adjustment.refine_rig: expected one of {}, found '{}'",
+                                 fmt::join(kRefined, ", "), refine_rig));
   }
   const auto positive = [](const char* name, double value) {
     RequireOption(value > 0.0, std::string("adjustment.") + name, "more than 0", value);
   };
+  positive("refine_sigmas", refine_sigmas);
   positive("rig_prior_deg", rig_prior_deg);
+  positive("focal_prior_pct", focal_prior_pct);
+  positive("principal_point_prior_px", principal_point_prior_px);
+  positive("distortion_prior", distortion_prior);
   positive("huber_sigmas", huber_sigmas);
   positive("outlier_sigmas", outlier_sigmas);
   positive("min_noise_px", min_noise_px);

@@ -8,11 +8,18 @@
 namespace rigmap {
 
 struct AdjustmentOptions {
-  // Which part of the calibration is adjusted along: "none", or "rotation" of the right eye under a
-  // prior with this sigma (degrees). The baseline's length always stays: it is where metres come
-  // from.
-  std::string refine_rig = "none";
+  // Which part of the calibration is corrected: "none"; "rotation" of the right eye;
+  // "rotation+focal", also one factor on all focal lengths; "all", also principal points, k1 and a
+  // factor between the eyes' focal lengths; "auto", all, but only where the images contradict the
+  // calibration by more than refine_sigmas. The baseline's length always stays: it is where metres
+  // come from.
+  std::string refine_rig = "auto";
+  double refine_sigmas = 5.0;
+  // How far a calibration may be off: sigmas of the prior that draws the rig back to it.
   double rig_prior_deg = 0.1;
+  double focal_prior_pct = 0.5;
+  double principal_point_prior_px = 1.0;
+  double distortion_prior = 0.005;  // of k1
   // Residuals beyond so many robust sigmas are weighted down (Huber); observations beyond the
   // second limit are dropped between rounds. The sigma is the part's own, at least the floor (px).
   double huber_sigmas = 2.0;

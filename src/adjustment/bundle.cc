@@ -3,8 +3,6 @@
 #include <ceres/ceres.h>
 #include <spdlog/spdlog.h>
 
-#include <numbers>
-
 #include "adjustment/anchor_frames.h"
 #include "adjustment/reprojection_cost.h"
 
@@ -23,7 +21,6 @@ class BundleProblem {
   BundleProblem(Bundle& bundle, double huber_px)
       : bundle_(bundle),
         loss_(huber_px),
-        rig_(ToBlock(bundle.rig.right_from_left)),
         problem_(BorrowingOptions()),
         ordering_(std::make_shared<ceres::ParameterBlockOrdering>()) {
     for (const auto& pose : bundle.left_from_world) {
@@ -31,14 +28,6 @@ class BundleProblem {
     }
     AddPoints();
     AddFrames();
-    problem_.SetManifold(rig_.data(), rig_manifold_.get());
-    ordering_->AddElementToGroup(rig_.data(), 1);
-  }
-
-  void HoldRig() { problem_.SetParameterBlockConstant(rig_.data()); }
-
-  void DrawRigTo(const Rigid3& calibrated, double sigma_rad) {
-    problem_.AddResidualBlock(MakeRigPrior(calibrated, sigma_rad).release(), nullptr, rig_.data());
   }
 
   void Solve(const AdjustmentOptions& options) {
@@ -59,7 +48,6 @@ class BundleProblem {
       auto& pose = bundle_.left_from_world[i];
       if (pose) pose = FromBlock(frames_[i].data());
     }
-    bundle_.rig.right_from_left = FromBlock(rig_.data());
   }
 
  private:
@@ -67,7 +55,7 @@ class BundleProblem {
     for (AdjustedPoint& point : bundle_.points) {
       for (const PointObservation& observation : point.observations) {
         problem_.AddResidualBlock(MakeReprojectionCost(bundle_.rig, observation).release(), &loss_,
-                                  frames_[observation.frame].data(), point.x.data(), rig_.data());
+                                  frames_[observation.frame].data(), point.x.data());
       }
       ordering_->AddElementToGroup(point.x.data(), 0);
     }
@@ -87,26 +75,15 @@ class BundleProblem {
   Bundle& bundle_;
   ceres::HuberLoss loss_;
   std::unique_ptr<ceres::Manifold> frame_manifold_ = MakeFrameManifold();
-  std::unique_ptr<ceres::Manifold> rig_manifold_ = MakeRigManifold();
   std::vector<MotionBlock> frames_;
-  MotionBlock rig_;
   ceres::Problem problem_;
   std::shared_ptr<ceres::ParameterBlockOrdering> ordering_;
 };
 
 }  // namespace
 
-void SolveBundle(const Rigid3& calibrated, double noise_px, const AdjustmentOptions& options,
-                 Bundle& bundle) {
-  BundleProblem problem(bundle, options.huber_sigmas * noise_px);
-  if (options.refine_rig == "none") {
-    problem.HoldRig();
-  } else {
-    // Residuals of the images are in pixels, not sigmas.
-    const double sigma_rad = options.rig_prior_deg * std::numbers::pi / 180.0;
-    problem.DrawRigTo(calibrated, sigma_rad / noise_px);
-  }
-  problem.Solve(options);
+void SolveBundle(double noise_px, const AdjustmentOptions& options, Bundle& bundle) {
+  BundleProblem(bundle, options.huber_sigmas * noise_px).Solve(options);
 }
 
 }  // namespace rigmap

@@ -14,10 +14,9 @@
 namespace rigmap {
 namespace {
 
-constexpr int kShared = 4;  // right eye's rotation, common focal factor
+constexpr int kShared = kCalibrationSize;
 constexpr double kUnknownVariance = 1e6;
 using Factor = Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>>;
-using SharedMatrix = Eigen::Matrix<double, kShared, kShared>;
 using PoseShared = Eigen::Matrix<double, 6, kShared>;
 using SharedPoint = Eigen::Matrix<double, kShared, 3>;
 using PosePoint = Eigen::Matrix<double, 6, 3>;
@@ -39,23 +38,22 @@ class ReducedSystem {
     SharedPoint shared_point = SharedPoint::Zero();
     std::map<int, PosePoint> pose_point;
     std::map<int, Vector6d> pose_score;
+    CalibrationVector shared_score = CalibrationVector::Zero();
     coordinates_ += 2.0 * static_cast<double>(point.observations.size());
     point_unknowns_ += 3.0;
     for (const PointObservation& observation : point.observations) {
-      const auto at =
-          Reproject(rig, observation.eye, rig.right_from_left, *poses[observation.frame], point.x);
+      const auto at = Reproject(rig, observation.eye, *poses[observation.frame], point.x);
       if (!at) continue;
       const Eigen::Vector2d residual = at->pixel - observation.pixel;
       const double weight =
           std::min(1.0, huber_px / std::max(residual.norm(), 1e-9)) / (noise_px * noise_px);
       const ReprojectionJacobians& j = at->jacobians;
-      Eigen::Matrix<double, 2, kShared> shared;
-      shared << j.rig_rotation, j.log_focal;
+      const auto& shared = j.calibration;
       v += weight * j.point.transpose() * j.point;
       v_gradient += weight * j.point.transpose() * residual;
       shared_point += weight * shared.transpose() * j.point;
       shared_ += weight * shared.transpose() * shared;
-      shared_gradient_ += weight * shared.transpose() * residual;
+      shared_score += weight * shared.transpose() * residual;
       const int unknown = UnknownOf(observation.frame);
       if (unknown < 0) continue;
       auto [block, fresh] = pose_point.try_emplace(unknown, PosePoint::Zero());
@@ -66,7 +64,9 @@ class ReducedSystem {
           weight * j.pose.transpose() * residual;
     }
     for (const auto& [unknown, score] : pose_score) pose_gradient_[unknown] += score;
-    AddCluster(pose_score, pose_point, v.inverse() * v_gradient);
+    shared_gradient_ += shared_score;
+    const Eigen::Vector3d point_step = v.inverse() * v_gradient;
+    AddCluster(pose_score, pose_point, point_step, shared_score - shared_point * point_step);
     Eliminate(v, v_gradient, shared_point, pose_point);
   }
 
@@ -91,13 +91,14 @@ class ReducedSystem {
 
   // A track is a cluster: all its positions are aligned with one patch, or with each other's.
   void AddCluster(const std::map<int, Vector6d>& pose_score,
-                  const std::map<int, PosePoint>& pose_point, const Eigen::Vector3d& point_step) {
+                  const std::map<int, PosePoint>& pose_point, const Eigen::Vector3d& point_step,
+                  const CalibrationVector& shared_score) {
     if (!point_step.allFinite()) return;
     std::vector<ScoreClusters::Score> scores;
     for (const auto& [unknown, score] : pose_score) {
       scores.emplace_back(unknown, score - pose_point.at(unknown) * point_step);
     }
-    clusters_.Add(std::move(scores));
+    clusters_.Add(std::move(scores), shared_score);
   }
 
   // Subtracts what the point's own freedom takes away.
@@ -126,6 +127,9 @@ class ReducedSystem {
   std::vector<Vector6d> Inflations(const Factor& factor, const std::vector<Matrix6d>& inverse,
                                    const std::vector<std::optional<Rigid3>>& poses) const;
 
+  void SolveCalibration(const Factor& factor, const std::vector<std::optional<Rigid3>>& poses,
+                        CameraSystemResult& result) const;
+
   std::vector<int> anchors_;
   std::vector<int> unknown_;
   ScoreClusters clusters_;
@@ -133,8 +137,8 @@ class ReducedSystem {
   std::map<std::pair<int, int>, Matrix6d> blocks_;  // lower triangle
   std::vector<PoseShared> pose_shared_;
   std::vector<Vector6d> pose_gradient_;
-  SharedMatrix shared_ = SharedMatrix::Zero();
-  Eigen::Matrix<double, kShared, 1> shared_gradient_ = Eigen::Matrix<double, kShared, 1>::Zero();
+  CalibrationMatrix shared_ = CalibrationMatrix::Zero();
+  CalibrationVector shared_gradient_ = CalibrationVector::Zero();
 };
 
 Eigen::SparseMatrix<double> LowerTriangle(const std::map<std::pair<int, int>, Matrix6d>& blocks,
@@ -220,22 +224,34 @@ CameraSystemResult ReducedSystem::Solve(const std::vector<std::optional<Rigid3>>
     result.covariances[frame] = jacobian * inverse[unknown_[frame]] * jacobian.transpose();
   }
   result.inflations = Inflations(solver, inverse, poses);
+  SolveCalibration(solver, poses, result);
+  return result;
+}
+
+// The system bordered by the calibration.
+void ReducedSystem::SolveCalibration(const Factor& factor,
+                                     const std::vector<std::optional<Rigid3>>& poses,
+                                     CameraSystemResult& result) const {
+  const int unknowns = static_cast<int>(pose_shared_.size());
   Eigen::MatrixXd coupling(6 * unknowns, kShared);
   Eigen::VectorXd gradient(6 * unknowns);
   for (int i = 0; i < unknowns; ++i) {
     coupling.middleRows<6>(6 * i) = pose_shared_[i];
     gradient.segment<6>(6 * i) = pose_gradient_[i];
   }
-  const Eigen::MatrixXd solved = solver.solve(coupling);
-  const SharedMatrix reduced = shared_ - coupling.transpose() * solved;
-  const Eigen::LDLT<SharedMatrix> shared_solver(reduced);
-  if (shared_solver.info() != Eigen::Success || !shared_solver.isPositive()) return result;
-  const SharedMatrix covariance = reduced.inverse();
-  const Eigen::Vector4d step = -covariance * (shared_gradient_ - solved.transpose() * gradient);
-  if (!step.allFinite() || !(covariance.diagonal().minCoeff() > 0.0)) return result;
-  const Eigen::Vector4d sigma = covariance.diagonal().cwiseSqrt();
-  result.calibration = CalibrationStep{step.head<3>(), sigma.head<3>(), step(3), sigma(3)};
-  return result;
+  const Eigen::MatrixXd solved = factor.solve(coupling);
+  CalibrationEquations equations;
+  equations.information = shared_ - coupling.transpose() * solved;
+  equations.score = -(shared_gradient_ - solved.transpose() * gradient);
+  equations.score_covariance = clusters_.CalibrationCovariance(solved) / Redundancy();
+  if (!RotationAndFocalStep(equations)) return;
+  result.calibration = equations;
+  result.by_calibration.assign(poses.size(), PoseShared::Zero());
+  for (std::size_t frame = 0; frame < poses.size(); ++frame) {
+    if (unknown_[frame] < 0) continue;
+    result.by_calibration[frame] =
+        -WorldFromPerturbation(*poses[frame]) * solved.middleRows<6>(6 * unknown_[frame]);
+  }
 }
 
 }  // namespace

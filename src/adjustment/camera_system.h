@@ -6,24 +6,10 @@
 #include <vector>
 
 #include "adjustment/adjusted_points.h"
+#include "adjustment/calibration.h"
 #include "scene/trajectory.h"
 
 namespace rigmap {
-
-// What the adjusted part says of the calibration that was held fixed: the step that the right eye's
-// rotation (radians, right camera axes) and the logarithm of a common focal factor would take
-// together, with their sigmas.
-struct CalibrationStep {
-  Eigen::Vector3d rig_rotation = Eigen::Vector3d::Zero();
-  Eigen::Vector3d rig_rotation_sigma = Eigen::Vector3d::Zero();
-  double log_focal = 0.0;
-  double log_focal_sigma = 0.0;
-
-  template <class Archive>
-  void serialize(Archive& archive) {
-    archive(rig_rotation, rig_rotation_sigma, log_focal, log_focal_sigma);
-  }
-};
 
 struct CameraSystemResult {
   // Per frame, the frame whose pose was fixed for it: the first of those that it hangs together
@@ -37,7 +23,11 @@ struct CameraSystemResult {
   // of one track go together (ScoreClusters): at least 1. Noise that all observations of a frame
   // share leaves no trace in the residuals and is not in it.
   std::vector<Vector6d> inflations;
-  std::optional<CalibrationStep> calibration;  // nothing where the system cannot tell
+  // What the part says of the calibration that was held; nothing where the system is singular.
+  std::optional<CalibrationEquations> calibration;
+  // Per frame, d(world_from_left)/d(calibration), as the adjusted pose follows it: translation (m)
+  // and rotation in world axes. Zero for anchors; empty without calibration.
+  std::vector<Eigen::Matrix<double, 6, kCalibrationSize>> by_calibration;
 };
 
 // Linearises all observations at the adjusted state (weights as Huber's at `huber_px`, noise

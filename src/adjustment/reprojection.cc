@@ -2,9 +2,10 @@
 
 namespace rigmap {
 
-std::optional<Reprojection> Reproject(const StereoRig& rig, Eye eye, const Rigid3& right_from_left,
-                                      const Rigid3& left_from_world, const Eigen::Vector3d& x) {
+std::optional<Reprojection> Reproject(const StereoRig& rig, Eye eye, const Rigid3& left_from_world,
+                                      const Eigen::Vector3d& x) {
   const Camera& camera = rig.Of(eye).camera;
+  const Rigid3& right_from_left = rig.right_from_left;
   const Eigen::Vector3d turned = left_from_world.rotation * x;
   const Eigen::Vector3d in_left = turned + left_from_world.translation;
   const bool is_left = eye == Eye::kLeft;
@@ -22,12 +23,20 @@ std::optional<Reprojection> Reproject(const StereoRig& rig, Eye eye, const Rigid
   const Eigen::Matrix<double, 2, 3> by_left =
       is_left ? by_eye
               : Eigen::Matrix<double, 2, 3>(by_eye * right_from_left.rotation.toRotationMatrix());
+  const Eigen::Vector2d from_centre = result.pixel - Eigen::Vector2d(camera.cx, camera.cy);
   ReprojectionJacobians& jacobians = result.jacobians;
   jacobians.pose << -by_left * Skew(turned), by_left;
   jacobians.point = by_left * left_from_world.rotation.toRotationMatrix();
-  jacobians.rig_rotation.setZero();
-  if (!is_left) jacobians.rig_rotation = -by_eye * Skew(in_eye);
-  jacobians.log_focal = result.pixel - Eigen::Vector2d(camera.cx, camera.cy);
+  jacobians.calibration.setZero();
+  if (!is_left) {
+    jacobians.calibration.middleCols<3>(kRotationX) = -by_eye * Skew(in_eye);
+    jacobians.calibration.col(kLogRightFocal) = from_centre;
+  }
+  jacobians.calibration.col(kLogFocal) = from_centre;
+  jacobians.calibration.middleCols<2>(is_left ? kLeftCx : kRightCx).setIdentity();
+  jacobians.calibration.col(is_left ? kLeftK1 : kRightK1) =
+      normalised.squaredNorm() *
+      Eigen::Vector2d(camera.fx * normalised.x(), camera.fy * normalised.y());
   return result;
 }
 

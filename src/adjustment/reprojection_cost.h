@@ -18,20 +18,13 @@ using MotionBlock = std::array<double, 7>;
 MotionBlock ToBlock(const Rigid3& motion);
 Rigid3 FromBlock(const double* block);
 
-// Perturbs as Reproject's Jacobians expect: the rotation from the left; the translation is added to
-// (frames, 6 degrees of freedom) or turns with the rotation (right_from_left, whose centre stays,
-// 3). The first six (or three) "ambient" columns of a Jacobian hold the derivative by the
-// perturbation itself: only costs made for it may use such a block.
+// Perturbs as Reproject's Jacobians expect: the rotation from the left, the translation is added
+// to. The first six "ambient" columns of a Jacobian hold the derivative by the perturbation itself:
+// only costs made for it may use such a block.
 std::unique_ptr<ceres::Manifold> MakeFrameManifold();
-std::unique_ptr<ceres::Manifold> MakeRigManifold();
 
-// Pixel residual of one observation. Blocks: frame (left_from_world), point, right_from_left.
-// `rig` must outlive it.
+// Pixel residual of one observation. Blocks: frame (left_from_world), point. `rig` must outlive it.
 std::unique_ptr<ceres::CostFunction> MakeReprojectionCost(const StereoRig& rig,
                                                           const PointObservation& observation);
-
-// Holds right_from_left's rotation near its calibration: three residuals in sigmas. Block:
-// right_from_left.
-std::unique_ptr<ceres::CostFunction> MakeRigPrior(const Rigid3& calibrated, double sigma_rad);
 
 }  // namespace rigmap

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "adjustment/calibration.h"
 #include "scene/trajectory.h"
 
 namespace rigmap {
@@ -18,15 +19,26 @@ class ScoreClusters {
  public:
   using Score = std::pair<int, Vector6d>;  // number of the unknown pose, gradient
 
-  // One cluster; no unknown twice.
-  void Add(std::vector<Score> scores) { clusters_.push_back(std::move(scores)); }
+  // One cluster; no unknown pose twice. The gradient by the calibration, which
+  // all share, is apart.
+  void Add(std::vector<Score> poses, const CalibrationVector& calibration) {
+    clusters_.push_back({std::move(poses), calibration});
+  }
 
   // The block of the covariance that belongs to one unknown pose, given the six columns of N^-1
   // that do (6 rows for each unknown).
   Matrix6d Covariance(const Eigen::MatrixXd& columns_of_inverse) const;
 
+  // Of the gradient by the calibration once the poses are eliminated, `coupled` being N^-1 times
+  // their coupling with it (6 rows for each unknown).
+  CalibrationMatrix CalibrationCovariance(const Eigen::MatrixXd& coupled) const;
+
  private:
-  std::vector<std::vector<Score>> clusters_;
+  struct Cluster {
+    std::vector<Score> poses;
+    CalibrationVector calibration;
+  };
+  std::vector<Cluster> clusters_;
 };
 
 }  // namespace rigmap

@@ -107,6 +107,22 @@ std::vector<FeatureMatch> MatchFeatures(const FrameFeatures& a, const FrameFeatu
   return MutualBest(a, b, all, options);
 }
 
+std::vector<FeatureMatch> MatchFeatures(const FrameFeatures& a, const FrameFeatures& b,
+                                        std::span<const int> groups_of_a,
+                                        std::span<const int> groups_of_b,
+                                        const FeatureMatchOptions& options) {
+  std::unordered_map<int, std::vector<int>> members;  // of b's groups
+  for (std::size_t j = 0; j < groups_of_b.size(); ++j) {
+    members[groups_of_b[j]].push_back(static_cast<int>(j));
+  }
+  const auto of_same_group = [&](std::size_t i, const auto& visit) {
+    const auto group = members.find(groups_of_a[i]);
+    if (group == members.end()) return;
+    for (const int j : group->second) visit(j);
+  };
+  return MutualBest(a, b, of_same_group, options);
+}
+
 std::vector<FeatureMatch> MatchFeatures(
     const FrameFeatures& a, const FrameFeatures& b,
     std::span<const std::optional<Eigen::Vector2d>> predicted_in_b, double radius_px,

@@ -25,6 +25,13 @@ struct FeatureMatchOptions {
 std::vector<FeatureMatch> MatchFeatures(const FrameFeatures& a, const FrameFeatures& b,
                                         const FeatureMatchOptions& options);
 
+// As above, where each feature is compared only with those of its own group (one number, 0 or more,
+// per feature). Many small groups cost as much less.
+std::vector<FeatureMatch> MatchFeatures(const FrameFeatures& a, const FrameFeatures& b,
+                                        std::span<const int> groups_of_a,
+                                        std::span<const int> groups_of_b,
+                                        const FeatureMatchOptions& options);
+
 // As above, where each feature of a is looked for only within radius_px of its predicted left
 // pixel in b; those without a prediction are left out.
 std::vector<FeatureMatch> MatchFeatures(

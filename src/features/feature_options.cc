@@ -6,6 +6,7 @@ OptionFields FeatureOptions::Fields() {
   return {{"max_keypoints", &max_keypoints},
           {"half_resolution_above_mpx", &half_resolution_above_mpx},
           {"contrast_threshold", &contrast_threshold},
+          {"faint_contrast_threshold", &faint_contrast_threshold},
           {"edge_threshold", &edge_threshold},
           {"min_depth_baselines", &min_depth_baselines},
           {"epipolar_band_px", &epipolar_band_px},
@@ -21,6 +22,8 @@ void FeatureOptions::Validate() const {
                 half_resolution_above_mpx);
   RequireOption(contrast_threshold >= 0.0 && contrast_threshold < 0.5,
                 "features.contrast_threshold", "0 to 0.5", contrast_threshold);
+  RequireOption(faint_contrast_threshold >= 0.0 && faint_contrast_threshold < 0.5,
+                "features.faint_contrast_threshold", "0 to 0.5", faint_contrast_threshold);
   RequireOption(edge_threshold > 1.0, "features.edge_threshold", "more than 1", edge_threshold);
   RequireOption(min_depth_baselines >= 1.0, "features.min_depth_baselines", "at least 1",
                 min_depth_baselines);

@@ -15,6 +15,9 @@ struct FeatureOptions {
   // SIFT's own threshold on contrast, in shares of full range. Low: on sand the spread over the
   // image matters more than strength.
   double contrast_threshold = 0.008;
+  // The same where an image has fewer than max_keypoints with the first: half a grey level, below
+  // which there is only rounding. Dull sand then gives six times as many.
+  double faint_contrast_threshold = 0.002;
   double edge_threshold = 10.0;
   // Nearest depth searched for stereo partners, in baselines. At 5 the eyes see a patch under
   // angles that differ by 11 degrees.

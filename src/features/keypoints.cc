@@ -77,6 +77,23 @@ void RemoveMasked(std::vector<cv::KeyPoint>& keypoints, const cv::Mat& mask, int
   });
 }
 
+cv::Ptr<cv::SIFT> MakeSift(double contrast_threshold, const FeatureOptions& options) {
+  constexpr int kOctaveLayers = 3;
+  constexpr double kSigma = 1.6;
+  // OpenCV divides the threshold by the number of layers.
+  return cv::SIFT::create(0, kOctaveLayers, contrast_threshold * kOctaveLayers,
+                          options.edge_threshold, kSigma);
+}
+
+std::vector<cv::KeyPoint> Detect(const cv::Mat& image, const cv::Mat& mask, int reduction,
+                                 cv::SIFT& sift) {
+  std::vector<cv::KeyPoint> found;
+  sift.detect(image, found);
+  RemoveMasked(found, mask, reduction);
+  RemoveSamePlace(found);
+  return found;
+}
+
 }  // namespace
 
 int SearchReduction(const cv::Size& size, const FeatureOptions& options) {
@@ -87,15 +104,13 @@ Keypoints DetectKeypoints(const cv::Mat& grey, const cv::Mat& mask, const Featur
   const int reduction = SearchReduction(grey.size(), options);
   cv::Mat image = grey;
   if (reduction == 2) cv::resize(grey, image, cv::Size(), 0.5, 0.5, cv::INTER_AREA);
-  constexpr int kOctaveLayers = 3;
-  constexpr double kSigma = 1.6;
-  // OpenCV divides the threshold by the number of layers.
-  const auto sift = cv::SIFT::create(0, kOctaveLayers, options.contrast_threshold * kOctaveLayers,
-                                     options.edge_threshold, kSigma);
-  std::vector<cv::KeyPoint> found;
-  sift->detect(image, found);
-  RemoveMasked(found, mask, reduction);
-  RemoveSamePlace(found);
+  auto sift = MakeSift(options.contrast_threshold, options);
+  std::vector<cv::KeyPoint> found = Detect(image, mask, reduction, *sift);
+  if (static_cast<int>(found.size()) < options.max_keypoints &&
+      options.faint_contrast_threshold < options.contrast_threshold) {
+    sift = MakeSift(options.faint_contrast_threshold, options);
+    found = Detect(image, mask, reduction, *sift);
+  }
   std::vector<cv::KeyPoint> kept;
   for (int index : SpreadEvenly(found, image.size(), options.max_keypoints)) {
     kept.push_back(found[index]);

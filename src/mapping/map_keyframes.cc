@@ -15,10 +15,22 @@ namespace {
 
 namespace fs = std::filesystem;
 
+// COLMAP's triangulator aborts where no point is left after its filters.
+constexpr std::size_t kMinTriangulatedPoints = 30;
+
 struct MadeModel {
   fs::path folder;
   SparseModel model;
 };
+
+int LongestRun(const std::vector<bool>& flags) {
+  int longest = 0, run = 0;
+  for (const bool flag : flags) {
+    run = flag ? run + 1 : 0;
+    longest = std::max(longest, run);
+  }
+  return longest;
+}
 
 class KeyframeMapper {
  public:
@@ -30,13 +42,12 @@ class KeyframeMapper {
   }
 
   MappingResult Seeded() {
-    const int keyframes = static_cast<int>(input_.graph.keyframes.size());
     Progress progress("mapping", 2 * input_.graph.keyframes.size());
-    std::vector<bool> left_over(keyframes, true);
+    std::vector<bool> left_over(input_.graph.keyframes.size(), true);
     while (static_cast<int>(made_.size()) < options_.max_models) {
-      // Half of a short part at the most: a model that is all seed was not mapped, and its
+      // Half of what is there to map at the most: a model that is all seed was not mapped, and its
       // left-right distances would be those that were put in.
-      const int length = std::min(options_.seed_keyframes, std::max(2, keyframes / 2));
+      const int length = std::min(options_.seed_keyframes, std::max(2, LongestRun(left_over) / 2));
       const auto first = BestSeedStart(input_.graph, left_over, length);
       if (!first) break;
       // A seed that fails is not tried again.
@@ -54,7 +65,12 @@ class KeyframeMapper {
   MappingResult Triangulated() {
     const fs::path poses = paths_.scratch / "poses";
     const int keyframes = static_cast<int>(input_.graph.keyframes.size());
-    WriteModel(MakeSeedModel(input_, 0, keyframes), poses);
+    const SparseModel start = MakeSeedModel(input_, 0, keyframes);
+    if (start.points.size() < kMinTriangulatedPoints) {
+      Remark(fmt::format("the keyframes share {} places, too few to map", start.points.size()));
+      return Finish("none");
+    }
+    WriteModel(start, poses);
     const fs::path output = paths_.scratch / "triangulated";
     RunPointTriangulator(colmap_, {},
                          {.database = paths_.database,
@@ -104,8 +120,12 @@ class KeyframeMapper {
     for (const MadeModel& made : made_) before += made.model.images.size();
     MapperRequest request = Request(run, progress, before);
     request.seed = seed;
+    // Otherwise COLMAP drops a seed that it cannot extend and begins a model of its own, unseeded.
+    MapperOptions seeded;
+    seeded.multiple_models = false;
+    seeded.min_model_size = 2;
     try {
-      for (const fs::path& model : RunMapper(colmap_, {}, request)) Keep(model);
+      for (const fs::path& model : RunMapper(colmap_, seeded, request)) Keep(model);
     } catch (const ToolError& error) {
       Remark(fmt::format("the seed at keyframe {} led to no model: {}", first, error.what()));
     }

@@ -37,13 +37,13 @@ void RestorePositions(const std::vector<Feature>& refined, const std::vector<boo
   }
 }
 
-bool AlignWithAnchor(const AnchoredFrame& earlier, int a, AnchoredFrame& later, int b, double scale,
-                     const MatchingOptions& options) {
+bool AlignWithAnchor(const AnchoredFrame& earlier, int a, AnchoredFrame& later, int b,
+                     const Eigen::Matrix2d& later_from_earlier, const MatchingOptions& options) {
   const Anchor& anchor = earlier.anchors[a];
   const Eigen::Vector2d found = later.found.features[b].left;
   const Eigen::Vector2d patch_origin = found - OffsetInPatch(found) - kPatchCentre.cast<double>();
   PatchWarp start;
-  start.linear = scale * anchor.frame_from_patch;
+  start.linear = later_from_earlier * anchor.frame_from_patch;
   start.position = found - patch_origin - start.linear * anchor.offset;
   PatchAlignmentOptions alignment;
   alignment.max_shift_px = 2.0;

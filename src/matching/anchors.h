@@ -35,9 +35,9 @@ void RestorePositions(const std::vector<Feature>& refined, const std::vector<boo
 
 // Aligns feature b of `later` with the anchor of feature a of `earlier` and moves it there, its
 // stereo partner along with it; the anchor is handed on, or made anew where the view has changed by
-// more than half in size. `scale` is the expected growth from earlier to later. False, with nothing
-// changed, where the patches do not agree.
-bool AlignWithAnchor(const AnchoredFrame& earlier, int a, AnchoredFrame& later, int b, double scale,
-                     const MatchingOptions& options);
+// more than half in size. `later_from_earlier` is how the view is expected to turn, stretch and
+// grow. False, with nothing changed, where the patches do not agree.
+bool AlignWithAnchor(const AnchoredFrame& earlier, int a, AnchoredFrame& later, int b,
+                     const Eigen::Matrix2d& later_from_earlier, const MatchingOptions& options);
 
 }  // namespace rigmap

@@ -3,12 +3,11 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
-#include <array>
 
-#include "correspondence/feature_matching.h"
 #include "correspondence/stereo_points.h"
-#include "correspondence/stereo_pose.h"
-#include "matching/frame_window.h"
+#include "matching/find_revisits.h"
+#include "matching/ground_warp.h"
+#include "matching/pair_matcher.h"
 #include "matching/pair_selection.h"
 
 namespace rigmap {
@@ -25,59 +24,9 @@ std::vector<Eigen::Vector3d> SamplePoints(const std::vector<std::optional<Stereo
   return sample;
 }
 
-class PairMatcher {
- public:
-  PairMatcher(const Odometry& odometry, const StereoRig& rig, const MatchingOptions& options)
-      : odometry_(odometry), rig_(rig), options_(options) {}
-
-  // Matches whose stereo point in a agrees with both eyes of b under one motion.
-  std::vector<FeatureMatch> Verified(const CandidatePair& pair, const MatchedFrame& a,
-                                     const MatchedFrame& b) const {
-    const Rigid3 b_from_a =
-        odometry_[pair.b].world_from_left.Inverse() * odometry_[pair.a].world_from_left;
-    std::vector<std::optional<Eigen::Vector2d>> predicted;
-    for (const auto& point : a.points) {
-      predicted.push_back(point ? Project(rig_.left.camera, b_from_a * point->x_in_left)
-                                : std::nullopt);
-    }
-    const double radius_px = std::min(options_.max_search_radius_px,
-                                      options_.search_radius_px * std::max(1, pair.b - pair.a));
-    const auto matches =
-        MatchFeatures(a.anchored.found, b.anchored.found, predicted, radius_px, {});
-    return AgreeingWithOneMotion(matches, b_from_a, a, b);
-  }
-
- private:
-  std::vector<FeatureMatch> AgreeingWithOneMotion(const std::vector<FeatureMatch>& matches,
-                                                  const Rigid3& b_from_a, const MatchedFrame& a,
-                                                  const MatchedFrame& b) const {
-    std::vector<PointSighting> sightings;
-    std::vector<FeatureMatch> used;
-    for (const FeatureMatch& match : matches) {
-      const auto& point = a.points[match.a];
-      const Feature& seen = b.anchored.found.features[match.b];
-      const auto left = Undistort(rig_.left.camera, seen.left);
-      if (!point || !left) continue;
-      sightings.push_back({point->x_in_left, point->depth_sigma_m, *left,
-                           seen.right ? Undistort(rig_.right.camera, *seen.right) : std::nullopt});
-      used.push_back(match);
-    }
-    StereoPoseOptions pose_options;
-    pose_options.noise_px = options_.keypoint_noise_px;
-    pose_options.max_sigmas = options_.max_sigmas;
-    pose_options.min_inliers = options_.min_inliers;
-    const auto pose = EstimateStereoPose(sightings, rig_, std::array{b_from_a}, pose_options);
-    std::vector<FeatureMatch> kept;
-    for (std::size_t i = 0; pose && i < used.size(); ++i) {
-      if (pose->inliers[i]) kept.push_back(used[i]);
-    }
-    return kept;
-  }
-
-  const Odometry& odometry_;
-  const StereoRig& rig_;
-  const MatchingOptions& options_;
-};
+Rigid3 OdometricMotion(const Odometry& odometry, int from, int to) {
+  return odometry[to].world_from_left.Inverse() * odometry[from].world_from_left;
+}
 
 // Expected growth of a patch from a to b: the nearer, the larger.
 double Growth(const StereoPoint& in_a, const Rigid3& b_from_a) {
@@ -85,29 +34,99 @@ double Growth(const StereoPoint& in_a, const Rigid3& b_from_a) {
   return std::clamp(in_a.x_in_left.z() / std::max(depth_in_b, 1e-6), 0.5, 2.0);
 }
 
-// Moves features of b onto their place in a where they have not been aligned yet; drops matches
-// whose patches disagree. A feature already aligned with another view is taken as it is.
-FramePair Refine(const CandidatePair& pair, const std::vector<FeatureMatch>& matches,
-                 const Odometry& odometry, FrameWindow& window, const MatchingOptions& options) {
-  // Align the frame that was not matched with others before, which is the one that is no keyframe
-  // or else the later one.
-  const bool backwards = !odometry[pair.a].keyframe;
-  const int fixed_frame = backwards ? pair.b : pair.a, moving_frame = backwards ? pair.a : pair.b;
-  MatchedFrame &fixed = window.At(fixed_frame), &moving = window.At(moving_frame);
-  const Rigid3 moving_from_fixed =
-      odometry[moving_frame].world_from_left.Inverse() * odometry[fixed_frame].world_from_left;
-  FramePair result{pair.a, pair.b, {}};
-  for (const FeatureMatch& match : matches) {
-    const int in_fixed = backwards ? match.b : match.a, in_moving = backwards ? match.a : match.b;
-    const auto& point = fixed.points[in_fixed];
-    const double growth = point ? Growth(*point, moving_from_fixed) : 1.0;
-    if (!moving.anchored.aligned[in_moving] &&
-        !AlignWithAnchor(fixed.anchored, in_fixed, moving.anchored, in_moving, growth, options)) {
-      continue;
-    }
-    result.matches.emplace_back(match.a, match.b);
+// How the view of the feature changes from one frame to the other: as its surroundings lie, if it
+// is a revisit, which may look from another side; else only in size.
+Eigen::Matrix2d ExpectedWarp(const MatchedFrame& from, int feature, const Rigid3& to_from_from,
+                             bool revisit, const StereoRig& rig) {
+  const auto& point = from.points[feature];
+  if (!point) return Eigen::Matrix2d::Identity();
+  if (revisit) {
+    const auto warp = GroundWarp(from.anchored.found.features, from.points, feature, to_from_from,
+                                 rig.left.camera);
+    if (warp) return *warp;
   }
-  return result;
+  return Growth(*point, to_from_from) * Eigen::Matrix2d::Identity();
+}
+
+class FrameMatcher {
+ public:
+  FrameMatcher(const Odometry& odometry, const MatchingFeatures& features, const StereoRig& rig,
+               const MatchingOptions& options)
+      : odometry_(odometry),
+        rig_(rig),
+        options_(options),
+        // Pairs come in order of time, so that a frame's neighbours and revisits are all that is
+        // held.
+        window_(features, rig, options.disparity_noise_px,
+                static_cast<std::size_t>(options.neighbours + 2 * options.max_revisits + 2)) {}
+
+  // `returned`: the place was out of view in between.
+  void Match(const CandidatePair& pair, bool returned) {
+    const Rigid3 predicted = pair.b_from_a.value_or(OdometricMotion(odometry_, pair.a, pair.b));
+    const VerifiedPair verified =
+        VerifyPair(pair, predicted, window_.At(pair.a), window_.At(pair.b), rig_, options_);
+    if (!verified.b_from_a) return;
+    const StereoPose& motion = *verified.b_from_a;
+    FramePair refined = Refine(pair, verified.matches,
+                               returned ? motion.current_from_reference : predicted, returned);
+    spdlog::info("{} {}: {} verified, {} aligned", pair.a, pair.b, verified.matches.size(),
+                 refined.matches.size());
+    if (static_cast<int>(refined.matches.size()) < options_.min_inliers) return;
+    result_.pairs.push_back(std::move(refined));
+    if (!returned) return;
+    result_.revisits.push_back({pair.a, pair.b, motion.current_from_reference, motion.covariance,
+                                pair.b_from_a.has_value()});
+  }
+
+  Correspondences Finish() {
+    result_.features = window_.Finish(static_cast<int>(odometry_.size()));
+    return std::move(result_);
+  }
+
+ private:
+  // Moves features of b onto their place in a where they have not been aligned yet; drops matches
+  // whose patches disagree. A feature already aligned with another view is taken as it is.
+  FramePair Refine(const CandidatePair& pair, const std::vector<FeatureMatch>& matches,
+                   const Rigid3& b_from_a, bool returned) {
+    // Align the frame that was not matched with others before, which is the one that is no keyframe
+    // or else the later one.
+    const bool backwards = !odometry_[pair.a].keyframe;
+    MatchedFrame& fixed = window_.At(backwards ? pair.b : pair.a);
+    MatchedFrame& moving = window_.At(backwards ? pair.a : pair.b);
+    const Rigid3 moving_from_fixed = backwards ? b_from_a.Inverse() : b_from_a;
+    FramePair result{pair.a, pair.b, {}};
+    for (const FeatureMatch& match : matches) {
+      const int in_fixed = backwards ? match.b : match.a;
+      const int in_moving = backwards ? match.a : match.b;
+      if (!moving.anchored.aligned[in_moving] &&
+          !AlignWithAnchor(fixed.anchored, in_fixed, moving.anchored, in_moving,
+                           ExpectedWarp(fixed, in_fixed, moving_from_fixed, returned, rig_),
+                           options_)) {
+        continue;
+      }
+      result.matches.emplace_back(match.a, match.b);
+    }
+    return result;
+  }
+
+  const Odometry& odometry_;
+  const StereoRig& rig_;
+  const MatchingOptions& options_;
+  FrameWindow window_;
+  Correspondences result_;
+};
+
+// For each frame the first that is too late for it to be a place that it came back to.
+std::vector<int> FirstOfSameStretch(const Odometry& odometry,
+                                    const std::vector<std::vector<Eigen::Vector3d>>& sample_points,
+                                    const StereoRig& rig, const MatchingOptions& options) {
+  const std::vector<int> keyframes = Keyframes(odometry);
+  const std::vector<int> revisitable =
+      RevisitableBefore(keyframes, odometry, sample_points, rig, options);
+  std::vector<int> first(odometry.size(), 0);
+  for (std::size_t k = 0; k < keyframes.size(); ++k)
+    first[keyframes[k]] = keyframes[revisitable[k]];
+  return first;
 }
 
 }  // namespace
@@ -120,22 +139,14 @@ Correspondences MatchFrames(const Odometry& odometry, const MatchingFeatures& fe
     sample_points[i] = SamplePoints(TriangulateFeatures(features(static_cast<int>(i)).features, rig,
                                                         options.disparity_noise_px));
   }
-  // Pairs come in order of time, so that a frame's neighbours and revisits are all that is held.
-  const int held = options.neighbours + options.max_revisits + 2;
-  FrameWindow window(features, rig, options.disparity_noise_px, static_cast<std::size_t>(held));
-  const PairMatcher matcher(odometry, rig, options);
-  Correspondences result;
-  for (const CandidatePair& pair : SelectPairs(odometry, sample_points, rig, options)) {
-    const auto verified = matcher.Verified(pair, window.At(pair.a), window.At(pair.b));
-    FramePair refined = Refine(pair, verified, odometry, window, options);
-    spdlog::info("{} {}: {} verified, {} aligned", pair.a, pair.b, verified.size(),
-                 refined.matches.size());
-    if (static_cast<int>(refined.matches.size()) >= options.min_inliers) {
-      result.pairs.push_back(std::move(refined));
-    }
+  std::vector<CandidatePair> pairs = SelectPairs(odometry, sample_points, rig, options);
+  AddFoundRevisits(FindRevisits({odometry, features, sample_points, rig}, options), pairs);
+  const std::vector<int> same_stretch = FirstOfSameStretch(odometry, sample_points, rig, options);
+  FrameMatcher matcher(odometry, features, rig, options);
+  for (const CandidatePair& pair : pairs) {
+    matcher.Match(pair, pair.revisit && pair.a < same_stretch[pair.b]);
   }
-  result.features = window.Finish(static_cast<int>(odometry.size()));
-  return result;
+  return matcher.Finish();
 }
 
 }  // namespace rigmap

@@ -6,6 +6,9 @@ OptionFields MatchingOptions::Fields() {
   return {{"neighbours", &neighbours},
           {"min_overlap", &min_overlap},
           {"max_revisits", &max_revisits},
+          {"revisit_candidates", &revisit_candidates},
+          {"min_revisit_inliers", &min_revisit_inliers},
+          {"sure_revisit_inliers", &sure_revisit_inliers},
           {"search_radius_px", &search_radius_px},
           {"max_search_radius_px", &max_search_radius_px},
           {"keypoint_noise_px", &keypoint_noise_px},
@@ -24,6 +27,12 @@ void MatchingOptions::Validate() const {
   RequireOption(min_overlap > 0.0 && min_overlap <= 1.0, "matching.min_overlap", "0 to 1",
                 min_overlap);
   RequireOption(max_revisits >= 0, "matching.max_revisits", "0 or more", max_revisits);
+  RequireOption(revisit_candidates >= 0, "matching.revisit_candidates", "0 or more",
+                revisit_candidates);
+  RequireOption(min_revisit_inliers >= 6, "matching.min_revisit_inliers", "at least 6",
+                min_revisit_inliers);
+  RequireOption(sure_revisit_inliers >= min_revisit_inliers, "matching.sure_revisit_inliers",
+                "at least min_revisit_inliers", sure_revisit_inliers);
   RequireOption(min_inliers >= 6, "matching.min_inliers", "at least 6", min_inliers);
   RequireOption(min_correlation > 0.0 && min_correlation < 1.0, "matching.min_correlation",
                 "between 0 and 1", min_correlation);

@@ -5,14 +5,6 @@
 namespace rigmap {
 namespace {
 
-std::vector<int> Keyframes(const Odometry& odometry) {
-  std::vector<int> keyframes;
-  for (std::size_t i = 0; i < odometry.size(); ++i) {
-    if (odometry[i].keyframe) keyframes.push_back(static_cast<int>(i));
-  }
-  return keyframes;
-}
-
 // Share of the points that the other frame has in view.
 double Overlap(const std::vector<Eigen::Vector3d>& points, const Rigid3& other_from_own,
                const Camera& camera) {
@@ -25,6 +17,35 @@ double Overlap(const std::vector<Eigen::Vector3d>& points, const Rigid3& other_f
 }
 
 }  // namespace
+
+std::vector<int> Keyframes(const Odometry& odometry) {
+  std::vector<int> keyframes;
+  for (std::size_t i = 0; i < odometry.size(); ++i) {
+    if (odometry[i].keyframe) keyframes.push_back(static_cast<int>(i));
+  }
+  return keyframes;
+}
+
+std::vector<int> RevisitableBefore(const std::vector<int>& keyframes, const Odometry& odometry,
+                                   const std::vector<std::vector<Eigen::Vector3d>>& sample_points,
+                                   const StereoRig& rig, const MatchingOptions& options) {
+  // Half of what makes a pair worth matching.
+  const double left_overlap = 0.5 * options.min_overlap;
+  std::vector<int> revisitable;
+  for (int k = 0; k < static_cast<int>(keyframes.size()); ++k) {
+    const int b = keyframes[k];
+    int earlier = std::max(0, k - options.neighbours);
+    for (; earlier > 0; --earlier) {
+      const int a = keyframes[earlier - 1];
+      const Rigid3 a_from_b = odometry[a].world_from_left.Inverse() * odometry[b].world_from_left;
+      const double seen_before = Overlap(sample_points[b], a_from_b, rig.left.camera);
+      const double still_seen = Overlap(sample_points[a], a_from_b.Inverse(), rig.left.camera);
+      if (std::min(seen_before, still_seen) < left_overlap) break;
+    }
+    revisitable.push_back(earlier);
+  }
+  return revisitable;
+}
 
 std::vector<CandidatePair> SelectPairs(
     const Odometry& odometry, const std::vector<std::vector<Eigen::Vector3d>>& sample_points,
@@ -59,6 +80,23 @@ std::vector<CandidatePair> SelectPairs(
     pairs.push_back({keyframes.back(), frame, false});
   }
   return pairs;
+}
+
+void AddFoundRevisits(const std::vector<Revisit>& found, std::vector<CandidatePair>& pairs) {
+  for (const Revisit& revisit : found) {
+    const auto known = std::find_if(pairs.begin(), pairs.end(), [&](const CandidatePair& pair) {
+      return pair.a == revisit.a && pair.b == revisit.b;
+    });
+    if (known != pairs.end()) {
+      known->b_from_a = revisit.b_from_a;
+      continue;
+    }
+    const auto first = std::find_if(pairs.begin(), pairs.end(),
+                                    [&](const CandidatePair& pair) { return pair.b == revisit.b; });
+    const auto end = std::find_if(first, pairs.end(),
+                                  [&](const CandidatePair& pair) { return pair.b != revisit.b; });
+    pairs.insert(end, {revisit.a, revisit.b, true, revisit.b_from_a});
+  }
 }
 
 }  // namespace rigmap

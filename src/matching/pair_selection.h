@@ -1,6 +1,7 @@
 // Which pairs of frames are worth matching.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "matching/matching_options.h"
@@ -14,7 +15,19 @@ namespace rigmap {
 struct CandidatePair {
   int a = 0, b = 0;
   bool revisit = false;  // not one of the neighbours in time
+  // Of a revisit that was found by its looks: what the search found.
+  std::optional<Rigid3> b_from_a;
 };
+
+// Frames that are keyframes, in order.
+std::vector<int> Keyframes(const Odometry& odometry);
+
+// For each keyframe k (index into `keyframes`), how many of the first keyframes were followed by
+// one that had hardly anything in view of what k sees, or it of theirs: only those can be
+// revisited, all others belong to the same stretch of the way. Never one of the neighbours in time.
+std::vector<int> RevisitableBefore(const std::vector<int>& keyframes, const Odometry& odometry,
+                                   const std::vector<std::vector<Eigen::Vector3d>>& sample_points,
+                                   const StereoRig& rig, const MatchingOptions& options);
 
 // For each keyframe the keyframes just before it and revisited ones, nearest first; for every other
 // frame the keyframes before and after it. In order of time: each keyframe's pairs are followed by
@@ -23,5 +36,9 @@ struct CandidatePair {
 std::vector<CandidatePair> SelectPairs(
     const Odometry& odometry, const std::vector<std::vector<Eigen::Vector3d>>& sample_points,
     const StereoRig& rig, const MatchingOptions& options);
+
+// Adds what the search by looks found (Revisit::by_appearance) to the pairs of the keyframes that
+// they lead to; a pair that is there already only takes the motion.
+void AddFoundRevisits(const std::vector<Revisit>& found, std::vector<CandidatePair>& pairs);
 
 }  // namespace rigmap

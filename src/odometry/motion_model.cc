@@ -9,12 +9,10 @@ namespace {
 double Seconds(StampNs from, StampNs to) { return 1e-9 * static_cast<double>(to - from); }
 
 // Of frame i from the one before it.
-double StepSeconds(const Odometry& odometry, std::size_t i) {
-  return Seconds(odometry[i - 1].stamp_ns, odometry[i].stamp_ns);
-}
-double StepM(const Odometry& odometry, std::size_t i) {
-  return (odometry[i].world_from_left.translation - odometry[i - 1].world_from_left.translation)
-      .norm();
+double SpeedMPerS(const Odometry& odometry, std::size_t i) {
+  const OdometryFrame &from = odometry[i - 1], &to = odometry[i];
+  return (to.world_from_left.translation - from.world_from_left.translation).norm() /
+         Seconds(from.stamp_ns, to.stamp_ns);
 }
 
 }  // namespace
@@ -35,20 +33,20 @@ Rigid3 PredictPose(const Odometry& so_far, StampNs stamp_ns) {
 void SetPredictionCovariances(Odometry& odometry, const OdometryOptions& options) {
   double fastest_m_per_s = 0.0;
   for (std::size_t i = 1; i < odometry.size(); ++i) {
-    fastest_m_per_s = std::max(fastest_m_per_s, StepM(odometry, i) / StepSeconds(odometry, i));
+    fastest_m_per_s = std::max(fastest_m_per_s, SpeedMPerS(odometry, i));
   }
   // Where nothing was seen to move, nothing is known of the speed: a walking pace.
   constexpr double kUnknownSpeed_m_per_s = 1.0;
   if (fastest_m_per_s == 0.0) fastest_m_per_s = kUnknownSpeed_m_per_s;
-  for (std::size_t i = 1; i < odometry.size(); ++i) {
-    if (odometry[i].source != PoseSource::kPredicted) continue;
-    const double seconds = StepSeconds(odometry, i);
+  for (OdometryFrame& frame : odometry) {
+    if (frame.source != PoseSource::kPredicted) continue;
+    const double seconds = std::abs(Seconds(odometry[frame.reference].stamp_ns, frame.stamp_ns));
     const double sigma_m = options.speed_change_share * fastest_m_per_s * seconds;
     const double sigma_rad = options.turn_change_rad_per_s * seconds;
     Vector6d variances;
     variances << Eigen::Vector3d::Constant(sigma_m * sigma_m),
         Eigen::Vector3d::Constant(sigma_rad * sigma_rad);
-    odometry[i].step_covariance = variances.asDiagonal();
+    frame.step_covariance = variances.asDiagonal();
   }
 }
 

@@ -14,6 +14,9 @@
 namespace rigmap {
 namespace {
 
+// Some times the fewest inliers that make a motion are enough to be sure of it.
+constexpr int kSureTimes = 3;
+
 // A frame with what is needed to pose others against it.
 struct Reference {
   int frame = 0;
@@ -96,7 +99,6 @@ std::optional<Found> FindMotion(const Reference& reference, const FrameFeatures&
                                 const OdometryOptions& options) {
   const auto near = MatchNear(reference, current, rig, predicted, options.search_radius_px);
   auto found = Solve(reference, current, near, rig, predicted, options);
-  constexpr int kSureTimes = 3;
   if (found && found->inliers >= kSureTimes * options.min_inliers) return found;
   const auto everywhere = MatchFeatures(reference.features, current, {});
   auto wider = Solve(reference, current, everywhere, rig, predicted, options);
@@ -118,6 +120,24 @@ bool NeedsKeyframe(const Found& found, const Reference& reference, const StereoR
          found.median_shift_px > options.keyframe_max_shift_share * rig.left.camera.width;
 }
 
+// True where there is enough to pose other frames against.
+bool CanCarry(const Reference& reference, const OdometryOptions& options) {
+  return reference.point_count >= options.min_inliers;
+}
+
+// Fills the frame's pose and what is known of it, from its motion against a reference.
+void Place(const Found& found, int reference, const Rigid3& world_from_reference,
+           const OdometryOptions& options, OdometryFrame& frame) {
+  frame.reference = reference;
+  frame.source = PoseSource::kOdometry;
+  frame.inliers = found.inliers;
+  frame.step_covariance = found.covariance;
+  frame.stands_still = StandsStill(found, options);
+  const Rigid3 motion = frame.stands_still ? Rigid3() : found.current_from_reference;
+  frame.world_from_left = world_from_reference * motion.Inverse();
+}
+
+// Follows frames from the first it is given; counts them from 0.
 class Tracker {
  public:
   Tracker(const StereoRig& rig, const OdometryOptions& options) : rig_(rig), options_(options) {}
@@ -138,11 +158,11 @@ class Tracker {
     OdometryFrame& frame = odometry_.emplace_back();
     frame.stamp_ns = features.stamp_ns;
     if (found) {
-      Place(*found, frame);
+      Place(*found, keyframe_.frame, odometry_[keyframe_.frame].world_from_left, options_, frame);
     } else {
       frame.world_from_left = predicted;
       frame.reference = index - 1;
-      spdlog::info("frame {}: no motion found, predicted", index);
+      spdlog::info("{}: no motion found, predicted", FormatSeconds(frame.stamp_ns));
     }
     previous_ = MakeReference(index, std::move(features), rig_, options_);
     if (!NeedsKeyframeNow(found)) return;
@@ -152,7 +172,6 @@ class Tracker {
 
   Odometry Finish() {
     BridgePredicted(odometry_);
-    SetPredictionCovariances(odometry_, options_);
     return std::move(odometry_);
   }
 
@@ -161,7 +180,7 @@ class Tracker {
   // served is the keyframe from then on.
   std::optional<Found> FindFromAny(const FrameFeatures& current, const Rigid3& predicted) {
     auto found = FindFrom(keyframe_, current, predicted);
-    if (!found && previous_.frame != keyframe_.frame && CanCarry(previous_)) {
+    if (!found && previous_.frame != keyframe_.frame && CanCarry(previous_, options_)) {
       PromotePrevious();
       found = FindFrom(keyframe_, current, predicted);
     }
@@ -188,25 +207,10 @@ class Tracker {
                       options_);
   }
 
-  void Place(const Found& found, OdometryFrame& frame) const {
-    frame.reference = keyframe_.frame;
-    frame.source = PoseSource::kOdometry;
-    frame.inliers = found.inliers;
-    frame.step_covariance = found.covariance;
-    frame.stands_still = StandsStill(found, options_);
-    const Rigid3 motion = frame.stands_still ? Rigid3() : found.current_from_reference;
-    frame.world_from_left = odometry_[keyframe_.frame].world_from_left * motion.Inverse();
-  }
-
   bool NeedsKeyframeNow(const std::optional<Found>& found) const {
-    if (!CanCarry(previous_)) return false;
+    if (!CanCarry(previous_, options_)) return false;
     if (!found) return true;  // tracking starts anew here
     return !odometry_.back().stands_still && NeedsKeyframe(*found, keyframe_, rig_, options_);
-  }
-
-  // True where there is enough to pose other frames against.
-  bool CanCarry(const Reference& reference) const {
-    return reference.point_count >= options_.min_inliers;
   }
 
   void PromotePrevious() {
@@ -221,15 +225,55 @@ class Tracker {
   std::optional<Reference> before_loss_;  // the keyframe when tracking had to start anew
 };
 
+// The first frame that others can surely be posed against; where there is none, that they might be;
+// else the first of all.
+int FirstThatCarries(int frame_count, const FeatureSource& features, const StereoRig& rig,
+                     const OdometryOptions& options) {
+  for (const int enough : {kSureTimes * options.min_inliers, options.min_inliers}) {
+    for (int frame = 0; frame < frame_count; ++frame) {
+      if (MakeReference(frame, features(frame), rig, options).point_count >= enough) return frame;
+    }
+  }
+  return 0;
+}
+
+// Puts the `start` frames before the tracked ones in front of them: each posed against the first
+// that was tracked, else predicted as if the motion after it had gone on, backwards in time.
+Odometry WithFramesBefore(int start, const FeatureSource& features, const StereoRig& rig,
+                          const OdometryOptions& options, const Odometry& tracked) {
+  Odometry latest_first(tracked.rbegin(), tracked.rend());
+  for (OdometryFrame& frame : latest_first) frame.reference += start;
+  const Reference first = MakeReference(start, features(start), rig, options);
+  for (int index = start - 1; index >= 0; --index) {
+    const FrameFeatures current = features(index);
+    const Rigid3 predicted = PredictPose(latest_first, current.stamp_ns);
+    const auto found = FindMotion(first, current, rig, predicted.Inverse(), options);
+    OdometryFrame& frame = latest_first.emplace_back();
+    frame.stamp_ns = current.stamp_ns;
+    if (found) {
+      Place(*found, start, Rigid3(), options, frame);
+    } else {
+      frame.world_from_left = predicted;
+      frame.reference = index + 1;
+    }
+  }
+  return {latest_first.rbegin(), latest_first.rend()};
+}
+
 }  // namespace
 
 Odometry TrackFrames(int frame_count, const FeatureSource& features, const StereoRig& rig,
                      const OdometryOptions& options) {
   if (frame_count == 0) return {};
+  const int start = FirstThatCarries(frame_count, features, rig, options);
+  if (start > 0) spdlog::info("frame {} is the first that others can be posed against", start);
   Tracker tracker(rig, options);
-  tracker.Start(features(0));
-  for (int frame = 1; frame < frame_count; ++frame) tracker.Add(features(frame));
-  return tracker.Finish();
+  tracker.Start(features(start));
+  for (int frame = start + 1; frame < frame_count; ++frame) tracker.Add(features(frame));
+  Odometry odometry = tracker.Finish();
+  if (start > 0) odometry = WithFramesBefore(start, features, rig, options, odometry);
+  SetPredictionCovariances(odometry, options);
+  return odometry;
 }
 
 }  // namespace rigmap

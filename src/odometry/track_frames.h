@@ -10,14 +10,16 @@
 
 namespace rigmap {
 
-// Gives frame i's features; called once or twice per frame, in order.
+// Gives frame i's features; called a few times per frame.
 using FeatureSource = std::function<FrameFeatures(int frame)>;
 
 // Poses `frame_count` frames one after the other: each is matched with the last keyframe near where
 // the motion so far predicts its points, else everywhere; where that fails the frame before becomes
 // a keyframe and is tried; where that fails too the motion is carried on (source predicted) and
 // tracking starts anew, but the keyframe that was lost is tried until something is found. Predicted
-// frames between two posed ones are put between them. Holds three frames' features at a time.
+// frames between two posed ones are put between them. It begins with the first frame that shows
+// enough to pose others against: those before it are posed against it, else predicted backwards in
+// time. Holds three frames' features at a time.
 Odometry TrackFrames(int frame_count, const FeatureSource& features, const StereoRig& rig,
                      const OdometryOptions& options);
 

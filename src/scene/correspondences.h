@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "scene/features.h"
+#include "scene/trajectory.h"
 
 namespace rigmap {
 
@@ -20,15 +21,30 @@ struct FramePair {
   }
 };
 
+// Two frames, a < b, that show one place which was out of view in between, and the motion that
+// their matches agree with.
+struct Revisit {
+  int a = 0, b = 0;
+  Rigid3 b_from_a;                         // metres
+  Matrix6d covariance = Matrix6d::Zero();  // of a left perturbation (translation m, rotation rad)
+  bool by_appearance = false;              // found by its looks, without the odometry
+
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(a, b, b_from_a, covariance, by_appearance);
+  }
+};
+
 // Verified correspondences of a part. features[f] are frame f's, in the order in which they were
 // extracted, their positions refined so that all views of a place mean the same spot of ground.
 struct Correspondences {
   std::vector<std::vector<Feature>> features;
   std::vector<FramePair> pairs;
+  std::vector<Revisit> revisits;  // of some of the pairs
 
   template <class Archive>
   void serialize(Archive& archive) {
-    archive(features, pairs);
+    archive(features, pairs, revisits);
   }
 };
 

@@ -9,9 +9,11 @@ namespace rigmap {
 
 struct OdometryFrame {
   StampNs stamp_ns = 0;
-  Rigid3 world_from_left;  // metres; world = left camera axes of the first frame
-  // The frame whose stereo points this one was posed against (its own index for the first); a
-  // predicted frame hangs on the frame before it.
+  // Metres; world = left camera axes of the frame that all others hang on, the first that shows
+  // enough to pose others against.
+  Rigid3 world_from_left;
+  // The frame whose stereo points this one was posed against (its own index for the one that all
+  // hang on); a predicted frame hangs on the frame before it, or after it if it lies before that.
   int reference = 0;
   // Of left_from_reference's motion, as a left perturbation: translation (m), rotation (rad).
   Matrix6d step_covariance = Matrix6d::Zero();

@@ -9,12 +9,18 @@ namespace {
 
 TEST(AdjustmentOptions, DefaultsHold) {
   AdjustmentOptions{}.Validate();
-  AdjustmentOptions{.refine_rig = "rotation"}.Validate();
+  for (const char* refine : {"none", "rotation", "rotation+focal", "all", "auto"}) {
+    AdjustmentOptions{.refine_rig = refine}.Validate();
+  }
 }
 
 TEST(AdjustmentOptions, NonsenseIsRefused) {
-  EXPECT_THROW(AdjustmentOptions{.refine_rig = "all"}.Validate(), UsageError);
+  EXPECT_THROW(AdjustmentOptions{.refine_rig = "everything"}.Validate(), UsageError);
+  EXPECT_THROW(AdjustmentOptions{.refine_sigmas = 0.0}.Validate(), UsageError);
   EXPECT_THROW(AdjustmentOptions{.rig_prior_deg = 0.0}.Validate(), UsageError);
+  EXPECT_THROW(AdjustmentOptions{.focal_prior_pct = 0.0}.Validate(), UsageError);
+  EXPECT_THROW(AdjustmentOptions{.principal_point_prior_px = 0.0}.Validate(), UsageError);
+  EXPECT_THROW(AdjustmentOptions{.distortion_prior = 0.0}.Validate(), UsageError);
   EXPECT_THROW(AdjustmentOptions{.huber_sigmas = -1.0}.Validate(), UsageError);
   EXPECT_THROW(AdjustmentOptions{.outlier_sigmas = 0.0}.Validate(), UsageError);
   EXPECT_THROW(AdjustmentOptions{.min_noise_px = 0.0}.Validate(), UsageError);
@@ -31,7 +37,11 @@ TEST(AdjustmentOptions, EveryFieldIsReadByItsName) {
     SetOption("adjustment", field.name, is_text ? "rotation" : "7", options.Fields());
   }
   EXPECT_EQ(options.refine_rig, "rotation");
+  EXPECT_EQ(options.refine_sigmas, 7.0);
   EXPECT_EQ(options.rig_prior_deg, 7.0);
+  EXPECT_EQ(options.focal_prior_pct, 7.0);
+  EXPECT_EQ(options.principal_point_prior_px, 7.0);
+  EXPECT_EQ(options.distortion_prior, 7.0);
   EXPECT_EQ(options.huber_sigmas, 7.0);
   EXPECT_EQ(options.outlier_sigmas, 7.0);
   EXPECT_EQ(options.min_noise_px, 7.0);

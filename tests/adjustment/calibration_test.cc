@@ -20,13 +20,21 @@ class CalibrationTest : public AdjustTest {
     rover_.rig.right_from_left = turn * true_rig_.right_from_left;
   }
 
+  void ScaleFocals(double factor) {
+    for (RigEye* eye : {&rover_.rig.left, &rover_.rig.right}) {
+      eye->camera.fx *= factor;
+      eye->camera.fy *= factor;
+    }
+  }
+
   static void ExpectWithin(double found, double sigma, double expected) {
     EXPECT_NEAR(found, expected, 3.0 * sigma + 0.2 * std::abs(expected));
   }
 
   // The turn (right camera axes) that is left from this rig to the true one.
-  Eigen::Vector3d TurnLeft_rad(const Rigid3& right_from_left) const {
-    return LogRotation(true_rig_.right_from_left.rotation * right_from_left.rotation.conjugate());
+  Eigen::Vector3d TurnLeft_rad(const StereoRig& rig) const {
+    return LogRotation(true_rig_.right_from_left.rotation *
+                       rig.right_from_left.rotation.conjugate());
   }
 
   StereoRig true_rig_;
@@ -35,22 +43,22 @@ class CalibrationTest : public AdjustTest {
 TEST_F(CalibrationTest, TheRightRigHasNothingToCorrect) {
   const Adjustment adjusted = Adjust(AllOf(BadOdometry()));
   ASSERT_TRUE(adjusted.calibration);
-  const CalibrationStep& step = *adjusted.calibration;
+  const CalibrationStep step = RotationAndFocalStep(*adjusted.calibration).value();
   for (int axis = 0; axis < 3; ++axis) {
     ExpectWithin(step.rig_rotation(axis), step.rig_rotation_sigma(axis), 0.0);
     EXPECT_LT(step.rig_rotation_sigma(axis), 0.1 * kTurn_rad);
   }
   ExpectWithin(step.log_focal, step.log_focal_sigma, 0.0);
   EXPECT_LT(step.log_focal_sigma, 0.002);
-  EXPECT_EQ(adjusted.right_from_left.translation, true_rig_.right_from_left.translation);
+  EXPECT_EQ(adjusted.rig.right_from_left.translation, true_rig_.right_from_left.translation);
 }
 
 TEST_F(CalibrationTest, ATurnedRightEyeIsFoundByTheStep) {
   for (int axis = 0; axis < 3; ++axis) {
     TurnRight(kTurn_rad * Eigen::Vector3d::Unit(axis));
-    const Adjustment adjusted = Adjust(AllOf(rover_.world_from_left));
+    const Adjustment adjusted = Adjust(AllOf(rover_.world_from_left), {.refine_rig = "none"});
     ASSERT_TRUE(adjusted.calibration);
-    const CalibrationStep& step = *adjusted.calibration;
+    const CalibrationStep step = RotationAndFocalStep(*adjusted.calibration).value();
     for (int i = 0; i < 3; ++i) {
       ExpectWithin(step.rig_rotation(i), step.rig_rotation_sigma(i), i == axis ? -kTurn_rad : 0.0);
     }
@@ -60,11 +68,9 @@ TEST_F(CalibrationTest, ATurnedRightEyeIsFoundByTheStep) {
 }
 
 TEST_F(CalibrationTest, AWrongFocalLengthIsFoundByTheStep) {
-  for (RigEye* eye : {&rover_.rig.left, &rover_.rig.right}) {
-    eye->camera.fx *= 1.005;
-    eye->camera.fy *= 1.005;
-  }
-  const CalibrationStep step = Adjust(AllOf(rover_.world_from_left)).calibration.value();
+  ScaleFocals(1.005);
+  const Adjustment adjusted = Adjust(AllOf(rover_.world_from_left), {.refine_rig = "none"});
+  const CalibrationStep step = RotationAndFocalStep(adjusted.calibration.value()).value();
   ExpectWithin(step.log_focal, step.log_focal_sigma, -std::log(1.005));
   EXPECT_GT(std::abs(step.log_focal), 3.0 * step.log_focal_sigma);
 }
@@ -73,10 +79,11 @@ TEST_F(CalibrationTest, ARefinedRigMovesToTheTruthAndKeepsItsBaseline) {
   for (int axis = 0; axis < 3; ++axis) {
     TurnRight(kTurn_rad * Eigen::Vector3d::Unit(axis));
     const MaybePoses poses = AllOf(rover_.world_from_left);
-    const Adjustment held = Adjust(poses), refined = Adjust(poses, {.refine_rig = "rotation"});
-    EXPECT_NEAR(TurnLeft_rad(held.right_from_left).norm(), kTurn_rad, 1e-9);
-    EXPECT_LT(TurnLeft_rad(refined.right_from_left).norm(), 0.1 * kTurn_rad);
-    const Eigen::Vector3d centre = refined.right_from_left.Inverse().translation;
+    const Adjustment held = Adjust(poses, {.refine_rig = "none"}),
+                     refined = Adjust(poses, {.refine_rig = "rotation"});
+    EXPECT_NEAR(TurnLeft_rad(held.rig).norm(), kTurn_rad, 1e-9);
+    EXPECT_LT(TurnLeft_rad(refined.rig).norm(), 0.1 * kTurn_rad);
+    const Eigen::Vector3d centre = refined.rig.right_from_left.Inverse().translation;
     EXPECT_LT((centre - true_rig_.right_from_left.Inverse().translation).norm(), 1e-12);  // m
     EXPECT_LT(refined.noise_px, held.noise_px);
   }
@@ -86,15 +93,62 @@ TEST_F(CalibrationTest, APriorAsSureAsTheImagesMeetsThemHalfway) {
   TurnRight(kTurn_rad * Eigen::Vector3d::UnitX());
   const MaybePoses poses = AllOf(rover_.world_from_left);
   const Adjustment free = Adjust(poses, {.refine_rig = "rotation", .rig_prior_deg = 10.0});
-  const double of_images_deg = free.calibration.value().rig_rotation_sigma.x() / kDegree;
+  const double of_images_deg =
+      RotationAndFocalStep(*free.calibration)->rig_rotation_sigma.x() / kDegree;
   const Adjustment drawn =
       Adjust(poses, {.refine_rig = "rotation", .rig_prior_deg = of_images_deg});
   // The noise, and so the sigma of the images, comes out larger where the rig is not yet right.
-  EXPECT_GT(TurnLeft_rad(drawn.right_from_left).norm(), 0.4 * kTurn_rad);
-  EXPECT_LT(TurnLeft_rad(drawn.right_from_left).norm(), 0.75 * kTurn_rad);
+  EXPECT_GT(TurnLeft_rad(drawn.rig).norm(), 0.4 * kTurn_rad);
+  EXPECT_LT(TurnLeft_rad(drawn.rig).norm(), 0.75 * kTurn_rad);
   const Adjustment held =
       Adjust(poses, {.refine_rig = "rotation", .rig_prior_deg = 0.05 * of_images_deg});
-  EXPECT_GT(TurnLeft_rad(held.right_from_left).norm(), 0.95 * kTurn_rad);
+  EXPECT_GT(TurnLeft_rad(held.rig).norm(), 0.95 * kTurn_rad);
+}
+
+TEST_F(CalibrationTest, LeftToItselfTheAdjustmentCorrectsOnlyWhatIsWrong) {
+  const MaybePoses poses = AllOf(rover_.world_from_left);
+  const Adjustment right = Adjust(poses);
+  EXPECT_FALSE(right.IsRigCorrected());
+  EXPECT_EQ(right.rig.left.camera.fx, true_rig_.left.camera.fx);
+
+  ScaleFocals(1.005);
+  TurnRight(kTurn_rad * Eigen::Vector3d(0.5, -0.5, 0.7));
+  const Adjustment wrong = Adjust(poses);
+  EXPECT_TRUE(wrong.IsRigCorrected());
+  // A little of a turn may as well be a principal point's.
+  EXPECT_LT(TurnLeft_rad(wrong.rig).norm(), 0.25 * kTurn_rad);
+  EXPECT_NEAR(wrong.rig.left.camera.fx / true_rig_.left.camera.fx, 1.0, 0.001);
+  EXPECT_NEAR(wrong.rig.Baseline(), true_rig_.Baseline(), 1e-12);
+  // What was changed is said in sigmas of the prior: half a per cent is one.
+  EXPECT_NEAR(wrong.rig_correction_sigmas(kLogFocal), -1.0, 0.2);
+  EXPECT_LT(std::abs(RotationAndFocalStep(*wrong.calibration)->log_focal), 0.0005);
+}
+
+TEST_F(CalibrationTest, APathShorterThanTheBaselineSaysNothing) {
+  for (const double path_m : {0.1, 0.15}) {
+    Make({.frames = 6, .step_m = path_m / 5.0, .points_per_m2 = 12.0, .seed = 82});
+    const bool is_longer = path_m > rover_.rig.Baseline();
+    EXPECT_EQ(Adjust(AllOf(rover_.world_from_left)).calibration.has_value(), is_longer);
+  }
+}
+
+TEST_F(CalibrationTest, TurnsAloneLeaveTheFocalLength) {
+  ScaleFocals(1.005);
+  TurnRight(kTurn_rad * Eigen::Vector3d::UnitX());
+  const Adjustment turned = Adjust(AllOf(rover_.world_from_left), {.refine_rig = "rotation"});
+  EXPECT_EQ(turned.rig.left.camera.fx, rover_.rig.left.camera.fx);
+  EXPECT_LT(TurnLeft_rad(turned.rig).norm(), 0.3 * kTurn_rad);
+}
+
+TEST_F(CalibrationTest, SigmasTakeInWhatTheRigIsNotKnownBy) {
+  const MaybePoses poses = AllOf(rover_.world_from_left);
+  const Adjustment held = Adjust(poses, {.refine_rig = "none"});
+  TurnRight(kTurn_rad * Eigen::Vector3d::UnitY());
+  const Adjustment corrected = Adjust(poses);
+  ASSERT_TRUE(corrected.IsRigCorrected());
+  const double of_held = held.covariances.back().topLeftCorner<3, 3>().trace();
+  const double of_corrected = corrected.covariances.back().topLeftCorner<3, 3>().trace();
+  EXPECT_GT(of_corrected, 1.2 * of_held);
 }
 
 }  // namespace

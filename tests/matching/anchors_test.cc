@@ -40,6 +40,8 @@ class AnchorsTest : public testing::Test {
   MatchingOptions options_;
 };
 
+Eigen::Matrix2d Grown(double factor) { return factor * Eigen::Matrix2d::Identity(); }
+
 double Median(std::vector<double> values) {
   std::sort(values.begin(), values.end());
   return values.at(values.size() / 2);
@@ -65,7 +67,7 @@ TEST_F(AnchorsTest, AlignedFeaturesMeanTheSameSpot) {
     ++tried;
     const Feature found = later.refined[b];
     const double before = Mismatch_px(0, a, 1, b, later);
-    if (!AlignWithAnchor(earlier, a, later, b, Growth(0, a, 1, b), options_)) continue;
+    if (!AlignWithAnchor(earlier, a, later, b, Grown(Growth(0, a, 1, b)), options_)) continue;
     EXPECT_TRUE(later.aligned[b]);
     before_px.push_back(before);
     after_px.push_back(Mismatch_px(0, a, 1, b, later));
@@ -85,12 +87,14 @@ TEST_F(AnchorsTest, AnchorsAreHandedOn) {
   AnchoredFrame second = MakeAnchored(rover_.frames[1]), third = MakeAnchored(rover_.frames[2]);
   std::vector<int> first_of_second(second.refined.size(), -1);
   for (const auto& [a, b] : TrueMatches(rover_, 0, 1)) {
-    if (AlignWithAnchor(first, a, second, b, Growth(0, a, 1, b), options_)) first_of_second[b] = a;
+    if (AlignWithAnchor(first, a, second, b, Grown(Growth(0, a, 1, b)), options_))
+      first_of_second[b] = a;
   }
   std::vector<double> mismatches_px;
   for (const auto& [b, c] : TrueMatches(rover_, 1, 2)) {
     const int a = first_of_second[b];
-    if (a < 0 || !AlignWithAnchor(second, b, third, c, Growth(1, b, 2, c), options_)) continue;
+    if (a < 0 || !AlignWithAnchor(second, b, third, c, Grown(Growth(1, b, 2, c)), options_))
+      continue;
     mismatches_px.push_back(Mismatch_px(0, a, 2, c, third));
     EXPECT_EQ(third.anchors[c].patch, first.found.patches[a]);
   }
@@ -108,7 +112,7 @@ TEST_F(AnchorsTest, PatchesThatDisagreeChangeNothing) {
     if (rover_.point_of_feature[0][a] == rover_.point_of_feature[1][b] || later.aligned[b])
       continue;
     ++tried;
-    if (AlignWithAnchor(earlier, a, later, b, 1.0, options_)) {
+    if (AlignWithAnchor(earlier, a, later, b, Grown(1.0), options_)) {
       ++accepted;
       continue;
     }
@@ -130,7 +134,7 @@ TEST_F(AnchorsTest, AViewThatShrankByHalfAnchorsAnew) {
   int renewed = 0, handed_on = 0;
   for (const auto& [a, b] : TrueMatches(rover_, 0, 1)) {
     const double growth = Growth(0, a, 1, b);
-    if (!AlignWithAnchor(earlier, a, later, b, growth, options_)) continue;
+    if (!AlignWithAnchor(earlier, a, later, b, Grown(growth), options_)) continue;
     const bool anew = later.anchors[b].patch == later.found.patches[b];
     if (growth < 0.6) {
       EXPECT_TRUE(anew) << growth;

@@ -267,17 +267,5 @@ TEST(TrackFrames, FewAndEmptyFrames) {
   }
 }
 
-TEST(TrackFrames, StartsLateAfterABlackFirstFrame) {
-  SyntheticRover rover = MakeSyntheticRover({.frames = 6, .pixel_sigma = kPixelSigma});
-  Blacken(rover.frames[0]);
-  const Odometry odometry = Track(rover);
-  EXPECT_EQ(odometry[1].source, PoseSource::kPredicted);
-  EXPECT_TRUE(odometry[1].keyframe);
-  for (int i = 2; i < 6; ++i) {
-    EXPECT_EQ(odometry[i].source, PoseSource::kOdometry);
-    EXPECT_GE(odometry[i].reference, 1);
-  }
-}
-
 }  // namespace
 }  // namespace rigmap

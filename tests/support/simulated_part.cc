@@ -32,10 +32,9 @@ Rigid3 ImuFromTiltedCamera(double tilt_rad) {
 }
 
 // More contrast than a real beach has, as the images are small, and a coarser mesh, to be quick.
-DrivePlan PlanArc(const StereoRig& rig) {
-  constexpr double kTurn_radpm = 0.1;
+DrivePlan Plan(const StereoRig& rig, SimulatedWay way) {
   SimulationRequest request;
-  request.pairs = 8;
+  request.pairs = way == SimulatedWay::kArc ? 8 : 25;
   request.spacing_m = 0.3;
   request.seed = 5;
   request.rig = rig;
@@ -43,7 +42,8 @@ DrivePlan PlanArc(const StereoRig& rig) {
   request.sand_cell_m = 0.03;
   DrivePlan plan = PlanDrive(request);
   const double length_m = plan.path.length_m(), heading_rad = plan.path.At(0.0).heading_rad;
-  const PathSegment arc{length_m, kTurn_radpm * length_m,
+  const double turn_radpm = way == SimulatedWay::kArc ? 0.1 : 1.0;
+  const PathSegment arc{length_m, turn_radpm * length_m,
                         plan.path.duration_s() - RoverPath::kRamp_s};
   plan.path = RoverPath(std::array{arc}, heading_rad);
   return plan;
@@ -84,9 +84,9 @@ StereoRig SmallRoverRig() {
   return rig;
 }
 
-SimulatedPart::SimulatedPart()
+SimulatedPart::SimulatedPart(SimulatedWay way)
     : rig_(SmallRoverRig()),
-      plan_(PlanArc(rig_)),
+      plan_(Plan(rig_, way)),
       world_(plan_.scene, plan_.path.Outline(0.25)),
       motion_(plan_.path,
               [this](double east_m, double north_m) {

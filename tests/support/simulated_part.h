@@ -16,11 +16,15 @@ namespace rigmap {
 // above the ground and looking 36 degrees down, so that all it sees is near enough for its eyes.
 StereoRig SmallRoverRig();
 
-// Eight pairs, 30 cm apart, on a gentle arc to the left. Building it takes about half a second of
-// one core, writing it a second. All of them are equal.
+// Eight pairs, 30 cm apart, on a gentle arc to the left, or 25 on a circle of 1 m radius that the
+// last ones go round again.
+enum class SimulatedWay { kArc, kLoop };
+
+// Building it takes about half a second of one core, writing a second for eight pairs. Those of the
+// same way are equal.
 class SimulatedPart {
  public:
-  SimulatedPart();
+  explicit SimulatedPart(SimulatedWay way = SimulatedWay::kArc);
 
   // Poses are in local east, north, up. All frames are paired.
   const std::vector<DriveFrame>& frames() const { return frames_; }

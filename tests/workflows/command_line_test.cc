@@ -12,6 +12,7 @@ namespace rigmap {
 namespace {
 
 namespace fs = std::filesystem;
+using testing::AllOf;
 using testing::ContainsRegex;
 using testing::ElementsAre;
 using testing::HasSubstr;
@@ -192,6 +193,47 @@ TEST_F(SpoiltFolder, WithALaterImageOfAnotherSizeIsRefused) {
 TEST_F(SpoiltFolder, WithBrokenTimesIsRefused) {
   WriteTestFile(data_ / "times.txt", "1\n2\n3\n3\n5\n6\n7\n8\n");
   EXPECT_THAT(DatasetFails(data_), HasSubstr("times.txt:4"));
+}
+
+TEST_F(SpoiltFolder, WithTimesThatAreNoNumbersIsRefusedInLegibleWords) {
+  using namespace std::string_literals;
+  for (const auto& [line, found] : {std::pair("soon"s, "found 'soon'"),
+                                    {"nan"s, "found 'nan'"},
+                                    {"inf"s, "found 'inf'"},
+                                    {"3\0"s, "found '3\\x00'"},
+                                    {"\0\0\0\0"s, "found '\\x00\\x00\\x00\\x00'"},
+                                    {"3\x1b[2J"s, "found '3\\x1b[2J'"}}) {
+    WriteTestFile(data_ / "times.txt", "1\n2\n" + line + "\n4\n5\n6\n7\n8\n");
+    EXPECT_THAT(DatasetFails(data_),
+                AllOf(HasSubstr("times.txt:3"), HasSubstr("expected a time"), HasSubstr(found)));
+  }
+  WriteTestFile(data_ / "times.txt", std::string(1 << 20, '\0'));
+  EXPECT_LT(DatasetFails(data_).size(), 4200U);
+  EXPECT_FALSE(fs::exists(out_));
+}
+
+TEST_F(SpoiltFolder, WithACalibrationThatIsNoneIsRefused) {
+  const std::string right = ReadTextFile(data_ / "calib.yaml");
+  struct Case {
+    const char *instead_of, *by, *expected;
+  };
+  for (const Case& spoilt : {Case{"distortion:", "distorsion:", "distorsion"},
+                             {"  model: OPENCV", "  model: FISHEYE", "FISHEYE"},
+                             {"fx: 26", "fx: nan # ", "finite number, found 'nan'"},
+                             {"fx: 26", "fx: -26", "positive focal length, found -260"},
+                             {"R: [", "R: [7, 7, 7, 7, 7, 7, 7, 7, 7] # ", "R"},
+                             {"t: [", "t: [.inf, 0, 0] # ", "t"},
+                             {"0, 0]", "0, 0, 0.01]", "k3"}}) {
+    std::string text = right;
+    const auto at = text.find(spoilt.instead_of);
+    ASSERT_NE(at, std::string::npos) << spoilt.instead_of;
+    WriteTestFile(data_ / "calib.yaml",
+                  text.replace(at, std::string(spoilt.instead_of).size(), spoilt.by));
+    EXPECT_THAT(DatasetFails(data_), AllOf(ContainsRegex("calib.yaml:[0-9]+"),
+                                           HasSubstr("expected"), HasSubstr(spoilt.expected)))
+        << spoilt.by;
+  }
+  EXPECT_FALSE(fs::exists(out_));
 }
 
 // Without a rig file of its own, data in Katwijk's form is taken with that of the program.

@@ -78,9 +78,11 @@ TEST_F(PartSummaryTest, CountsFramesAndWhatWasPassedOver) {
   placed.models[1].scale = {0.7, 0.003, {3}, {1}};
   summary.SetScale(placed);
   summary.SetTrajectory(Trajectory(5), "imu");
+  summary.SetRevisits({{.a = 0, .b = 3}, {.a = 0, .b = 4, .by_appearance = true}});
   const json written = Written(summary);
   EXPECT_EQ(written["frames"],
             (json{{"read", 12}, {"paired", 5}, {"keyframes", 4}, {"registered", 3}, {"posed", 5}}));
+  EXPECT_EQ(written["revisits"], (json{{"pairs", 2}, {"by_appearance", 1}}));
   EXPECT_EQ(written["health"]["lone_images"], (json{"a.png", "b.png"}));
   EXPECT_EQ(written["world_up"], "imu");
   EXPECT_EQ(written["scale"]["metres_per_model_unit"], 0.5);

@@ -10,6 +10,7 @@
 
 #include "colmap/model_io.h"
 #include "core/file.h"
+#include "dataset/rig_file.h"
 #include "export/ply.h"
 #include "export/tum.h"
 #include "tests/support/temporary_folder.h"
@@ -109,7 +110,7 @@ class SimulatedPartTest : public testing::Test {
     EXPECT_EQ(summary["frames"]["registered"], summary["frames"]["keyframes"]);
     EXPECT_GT(summary["scale"]["metres_per_model_unit"].get<double>(), 0.0);
     EXPECT_EQ(summary["stages"].size(), 11U);
-    EXPECT_EQ(summary["gates"].size(), 14U);
+    EXPECT_EQ(summary["gates"].size(), 16U);
     EXPECT_TRUE(summary["versions"]["colmap"].is_string());
     EXPECT_EQ(ReadTum(out_ / "trajectory.tum").size(), 8U);
   }
@@ -169,9 +170,9 @@ TEST_F(SimulatedPartTest, ChangedOptionRedoesItsStageAndThoseBehind) {
   EXPECT_THAT(Reused(out_), ElementsAre("dataset", "features", "odometry"));
   RunPart(out_, {"--until", "scale", "--set", "matching.neighbours=3", "--from", "mapping"});
   EXPECT_THAT(Reused(out_), ElementsAre("dataset", "features", "odometry", "matching", "database"));
-  // Another limit is no reason to do anything anew.
+  // A limit that no stage chooses its way by is no reason to do anything anew.
   RunPart(out_,
-          {"--until", "scale", "--set", "matching.neighbours=3", "--set", "gates.registered=1"});
+          {"--until", "scale", "--set", "matching.neighbours=3", "--set", "gates.predicted=1"});
   EXPECT_EQ(Reused(out_).size(), 7U);
   RunPart(out_, {"--until", "scale", "--set", "matching.neighbours=3", "--frames", "1:7"});
   EXPECT_THAT(Reused(out_), IsEmpty());
@@ -243,19 +244,39 @@ TEST_F(SimulatedPartTest, IsRefusedWhileAnotherRunIsAtIt) {
   EXPECT_THAT(second.LastErrorLine(), testing::HasSubstr("another rigmap"));
 }
 
-TEST_F(SimulatedPartTest, WithAWrongRigIsDoneButNotTrusted) {
+// Two pixels of disparity: 3 % of the depth at 2 m.
+TEST_F(SimulatedPartTest, WithAWrongRigIsCorrectedOrNotTrusted) {
   const fs::path data = CopyOfSimulatedPart(folder_.Path());
   std::string rig = ReadTextFile(data / "calib.yaml");
   const auto cx = rig.find("161.7");
   ASSERT_NE(cx, std::string::npos);
-  rig.replace(cx, 5, "163.7");  // two pixels of disparity
+  rig.replace(cx, 5, "163.7");
   WriteTestFile(data / "calib.yaml", rig);
-  const ProgramEnd end =
-      RunRigmap({"part", "--dataset", data, "--out", out_, "--until", "adjustment"});
+  const std::vector<std::string> part{"part", "--dataset", data,        "--out",
+                                      out_,   "--until",   "adjustment"};
+  std::vector<std::string> held = part;
+  held.insert(held.end(), {"--set", "adjustment.refine_rig=none"});
+  const ProgramEnd end = RunRigmap(held);
   EXPECT_EQ(end.exit_code, 3);
   EXPECT_THAT(end.LastErrorLine(), testing::HasSubstr("not to be trusted: gate "));
   EXPECT_EQ(JsonOf(out_ / "summary.json")["status"], "untrusted");
   EXPECT_TRUE(fs::exists(out_ / "trajectory.tum"));
+  EXPECT_FALSE(fs::exists(out_ / "rig_refined.yaml"));
+
+  // Eight small frames hardly tell principal points from turns: mended, and still not trusted.
+  const ProgramEnd corrected = RunRigmap(part);
+  EXPECT_EQ(corrected.exit_code, 3);
+  EXPECT_THAT(corrected.LastErrorLine(), testing::HasSubstr("position_sigma_pct"));
+  const json summary = JsonOf(out_ / "summary.json");
+  EXPECT_EQ(summary["rig"]["refined"], true);
+  EXPECT_THAT(summary["mapping"]["remarks"].dump(), testing::HasSubstr("contradict"));
+  EXPECT_NEAR(ReadRigFile(out_ / "rig_refined.yaml").Baseline(), 0.12, 1e-3);
+  const ProgramEnd metrics =
+      RunRigmap({"evaluate", out_, "--truth", data / "groundtruth_tum.txt", "--json"});
+  EXPECT_LT(json::parse(metrics.out)["scale_error_pct"], 1.2);  // of 12 with the wrong rig
+  // Left to its own again, nothing of the corrected rig is left.
+  RunRigmap(held);
+  EXPECT_FALSE(fs::exists(out_ / "rig_refined.yaml"));
 }
 
 TEST_F(SimulatedPartTest, WithoutColmapFailsBeforeAnyWork) {

@@ -27,7 +27,7 @@ class SparseOutput : public testing::Test {
     for (int i = 0; i < 3; ++i) {
       dataset_.frames.push_back({1000 + i, WriteImage("l", i), WriteImage("r", i)});
     }
-    adjustment_.right_from_left = dataset_.rig.right_from_left;
+    adjustment_.rig = dataset_.rig;
     adjustment_.world_from_left = {Rigid3(), std::nullopt,
                                    Rigid3{ExpRotation({0.02, 0.1, 0.0}), {0.1, 0.0, 0.2}}};
     for (int i = 0; i < 20; ++i) AddPoint(random_.Vector(0.4) + Eigen::Vector3d(0.0, 0.0, 2.0));
@@ -50,7 +50,7 @@ class SparseOutput : public testing::Test {
 
   Eigen::Vector2d Pixel(int frame, Eye eye, const Eigen::Vector3d& x) const {
     Eigen::Vector3d x_in_eye = adjustment_.world_from_left[frame]->Inverse() * x;
-    if (eye == Eye::kRight) x_in_eye = adjustment_.right_from_left * x_in_eye;
+    if (eye == Eye::kRight) x_in_eye = adjustment_.rig.right_from_left * x_in_eye;
     return *Project(dataset_.rig.Of(eye).camera, x_in_eye);
   }
   void AddPoint(const Eigen::Vector3d& x) {

@@ -1,0 +1,126 @@
+#include "adjustment/free_adjustment.h"
+
+#include <algorithm>
+#include <map>
+#include <set>
+
+#include "adjustment/bundle.h"
+#include "adjustment/reprojection.h"
+#include "core/statistics.h"
+#include "scene/keyframe_graph.h"
+
+namespace rigmap {
+namespace {
+
+// Each image is a frame of its own: frame i is image i of the model, and the right eye stands where
+// the left one does.
+Bundle FreeBundle(const SparseModel& model, const StereoRig& rig) {
+  Bundle bundle{.rig = rig};
+  bundle.rig.right_from_left = Rigid3();
+  std::map<std::uint32_t, int> frame_of_image;
+  for (const SparseImage& image : model.images) {
+    frame_of_image[image.id] = static_cast<int>(bundle.left_from_world.size());
+    bundle.left_from_world.emplace_back(image.camera_from_model);
+  }
+  for (const SparsePoint& point : model.points) {
+    AdjustedPoint& made = bundle.points.emplace_back();
+    made.x = point.x_in_model;
+    for (const TrackElement& element : point.track) {
+      const int frame = frame_of_image.at(element.image_id);
+      const SparseImage& image = model.images[frame];
+      made.observations.push_back({frame, static_cast<int>(element.keypoint),
+                                   image.camera_id == kLeftCameraId ? Eye::kLeft : Eye::kRight,
+                                   image.keypoints[element.keypoint].pixel});
+    }
+    std::sort(made.observations.begin(), made.observations.end(),
+              [](const auto& a, const auto& b) { return a.frame < b.frame; });
+  }
+  return bundle;
+}
+
+double ErrorPx(const Bundle& bundle, const AdjustedPoint& point, const PointObservation& o) {
+  const auto at = Reproject(bundle.rig, o.eye, *bundle.left_from_world[o.frame], point.x);
+  return at ? (at->pixel - o.pixel).norm() : std::numeric_limits<double>::infinity();
+}
+
+double NoisePx(const Bundle& bundle, const AdjustmentOptions& options) {
+  std::vector<double> errors;
+  for (const AdjustedPoint& point : bundle.points) {
+    for (const auto& o : point.observations) errors.push_back(ErrorPx(bundle, point, o));
+  }
+  return errors.empty() ? 1.0 : std::max(options.min_noise_px, Median(std::move(errors)));
+}
+
+void DropOutliers(double limit_px, Bundle& bundle) {
+  for (AdjustedPoint& point : bundle.points) {
+    std::erase_if(point.observations, [&](const PointObservation& o) {
+      return !(ErrorPx(bundle, point, o) <= limit_px);
+    });
+  }
+  std::erase_if(bundle.points, [](const AdjustedPoint& point) { return !SpansFrames(point); });
+}
+
+std::vector<int> ObservationCounts(const Bundle& bundle) {
+  std::vector<int> counts(bundle.left_from_world.size(), 0);
+  for (const AdjustedPoint& point : bundle.points) {
+    for (const PointObservation& o : point.observations) ++counts[o.frame];
+  }
+  return counts;
+}
+
+// Keyframes of which both images are there and show enough.
+std::set<int> SoundKeyframes(const SparseModel& model, const std::vector<int>& counts,
+                             int min_observations) {
+  std::map<int, int> sound_images;
+  for (std::size_t i = 0; i < model.images.size(); ++i) {
+    const int keyframe = static_cast<int>((model.images[i].id - 1) / 2);
+    if (counts[i] >= min_observations) ++sound_images[keyframe];
+  }
+  std::set<int> sound;
+  for (const auto& [keyframe, images] : sound_images) {
+    if (images == 2) sound.insert(keyframe);
+  }
+  return sound;
+}
+
+SparseModel ModelOf(const SparseModel& model, const Bundle& bundle, const std::set<int>& sound) {
+  SparseModel result{.cameras = model.cameras};
+  std::vector<std::optional<std::size_t>> place(model.images.size());
+  for (std::size_t i = 0; i < model.images.size(); ++i) {
+    if (!sound.contains(static_cast<int>((model.images[i].id - 1) / 2))) continue;
+    place[i] = result.images.size();
+    SparseImage image = model.images[i];
+    image.camera_from_model = *bundle.left_from_world[i];
+    for (SparseKeypoint& keypoint : image.keypoints) keypoint.point_id.reset();
+    result.images.push_back(std::move(image));
+  }
+  for (const AdjustedPoint& adjusted : bundle.points) {
+    SparsePoint point{.id = result.points.size() + 1, .x_in_model = adjusted.x};
+    for (const PointObservation& o : adjusted.observations) {
+      if (!place[o.frame]) continue;
+      const auto keypoint = static_cast<std::uint32_t>(o.feature);
+      SparseImage& image = result.images[*place[o.frame]];
+      image.keypoints[keypoint].point_id = point.id;
+      point.track.push_back({image.id, keypoint});
+    }
+    if (!point.track.empty()) result.points.push_back(std::move(point));
+  }
+  return result;
+}
+
+}  // namespace
+
+SparseModel AdjustFreely(const SparseModel& model, const StereoRig& rig, int min_observations,
+                         const AdjustmentOptions& options) {
+  Bundle bundle = FreeBundle(model, rig);
+  // Rough first, since the poses it starts from are not good to a pixel.
+  for (const bool last : {false, true}) {
+    const double noise_px = NoisePx(bundle, options);
+    if (last) DropOutliers(options.outlier_sigmas * noise_px, bundle);
+    if (bundle.points.empty()) break;
+    SolveBundle(noise_px, options, bundle);
+  }
+  return ModelOf(model, bundle, SoundKeyframes(model, ObservationCounts(bundle), min_observations));
+}
+
+}  // namespace rigmap

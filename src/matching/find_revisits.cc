@@ -1,0 +1,194 @@
+#include "matching/find_revisits.h"
+
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <map>
+
+#include "core/statistics.h"
+#include "matching/pair_selection.h"
+#include "matching/place_index.h"
+#include "matching/revisit_motion.h"
+#include "matching/vocabulary.h"
+
+namespace rigmap {
+namespace {
+
+// Two keyframes (indices into the list of them) and what their matches say.
+struct Proposal {
+  int earlier = 0, later = 0;
+  StereoPose motion;
+};
+
+class RevisitFinder {
+ public:
+  RevisitFinder(const RevisitSearch& search, const MatchingOptions& options)
+      : search_(search),
+        options_(options),
+        keyframes_(Keyframes(search.odometry)),
+        revisitable_(RevisitableBefore(keyframes_, search.odometry, search.sample_points,
+                                       search.rig, options)) {}
+
+  std::vector<Revisit> Find() const {
+    if (std::ranges::all_of(revisitable_, [](int count) { return count == 0; })) return {};
+    const std::vector<Proposal> proposals = Propose();
+    std::vector<Revisit> found;
+    for (auto first = proposals.begin(); first != proposals.end();) {
+      const auto end = std::find_if(first, proposals.end(),
+                                    [&](const Proposal& p) { return p.later != first->later; });
+      AddBest({first, end}, proposals, found);
+      first = end;
+    }
+    return found;
+  }
+
+ private:
+  // Of the proposals for one keyframe those with the most matches that are proved.
+  void AddBest(std::vector<Proposal> own, const std::vector<Proposal>& all,
+               std::vector<Revisit>& found) const {
+    std::erase_if(own, [&](const Proposal& p) { return !Proved(p, all); });
+    std::ranges::stable_sort(own, std::ranges::greater(),
+                             [](const Proposal& p) { return p.motion.inlier_count; });
+    own.resize(std::min(own.size(), static_cast<std::size_t>(options_.max_revisits)));
+    for (const Proposal& p : own) {
+      found.push_back({keyframes_[p.earlier], keyframes_[p.later], p.motion.current_from_reference,
+                       p.motion.covariance, true});
+    }
+  }
+
+  Vocabulary Learn() const {
+    constexpr std::size_t kSample = 60'000, kPerKeyframe = 750;
+    const std::size_t share = std::min(kPerKeyframe, kSample / keyframes_.size() + 1);
+    std::vector<Descriptor> sample;
+    for (const int frame : keyframes_) {
+      const FrameFeatures features = search_.features(frame);
+      const std::size_t step = features.descriptors.size() / share + 1;
+      for (std::size_t i = 0; i < features.descriptors.size(); i += step) {
+        sample.push_back(features.descriptors[i]);
+      }
+    }
+    return Vocabulary(sample);
+  }
+
+  PlaceIndex IndexPlaces(const Vocabulary& vocabulary) const {
+    std::vector<std::vector<int>> words;
+    for (const int frame : keyframes_) {
+      auto& of_frame = words.emplace_back();
+      for (const Descriptor& descriptor : search_.features(frame).descriptors) {
+        of_frame.push_back(vocabulary.WordOf(descriptor).word);
+      }
+    }
+    return {words, vocabulary.word_count()};
+  }
+
+  // Earlier keyframes that look most like k, best first.
+  std::vector<int> MostAlike(const PlaceIndex& places, int k) const {
+    const std::vector<float> likeness = places.Likeness(k);
+    std::vector<std::pair<float, int>> ranked;
+    for (int earlier = 0; earlier < revisitable_[k]; ++earlier) {
+      ranked.emplace_back(-likeness[earlier], earlier);
+    }
+    const auto count =
+        std::min(ranked.size(), static_cast<std::size_t>(options_.revisit_candidates));
+    std::partial_sort(ranked.begin(), ranked.begin() + static_cast<std::ptrdiff_t>(count),
+                      ranked.end());
+    std::vector<int> best;
+    for (std::size_t i = 0; i < count; ++i) best.push_back(ranked[i].second);
+    return best;
+  }
+
+  PlaceView View(int k, const Vocabulary& vocabulary) const {
+    PlaceView view{.features = search_.features(keyframes_[k])};
+    view.points =
+        TriangulateFeatures(view.features.features, search_.rig, options_.disparity_noise_px);
+    for (const Descriptor& descriptor : view.features.descriptors) {
+      view.groups.push_back(vocabulary.WordOf(descriptor).branch);
+    }
+    return view;
+  }
+
+  // In order of the later keyframe.
+  std::vector<Proposal> Propose() const {
+    const Vocabulary vocabulary = Learn();
+    const PlaceIndex places = IndexPlaces(vocabulary);
+    std::vector<Proposal> proposals;
+    // Of the earlier keyframes those that were tried last: the next keyframe looks like them again.
+    std::map<int, PlaceView> held;
+    for (int k = 0; k < static_cast<int>(keyframes_.size()); ++k) {
+      const std::vector<int> alike = MostAlike(places, k);
+      if (alike.empty()) continue;
+      std::erase_if(held,
+                    [&](const auto& entry) { return !std::ranges::count(alike, entry.first); });
+      const PlaceView view = View(k, vocabulary);
+      for (const int earlier : alike) {
+        if (!held.contains(earlier)) held.emplace(earlier, View(earlier, vocabulary));
+        const auto motion = MotionWithoutPrediction(held.at(earlier), view, search_.rig, options_);
+        if (!motion || !Sharp(motion->covariance, k)) continue;
+        spdlog::info("{} may show what {} shows: {} matches agree", keyframes_[k],
+                     keyframes_[earlier], motion->inlier_count);
+        proposals.push_back({earlier, k, *motion});
+      }
+    }
+    return proposals;
+  }
+
+  // Far things alone agree with many motions: one that is known must tell where the ground is seen.
+  bool Sharp(const Matrix6d& covariance, int k) const {
+    std::vector<double> depths;
+    for (const auto& x : search_.sample_points[keyframes_[k]]) depths.push_back(x.z());
+    if (depths.empty()) return false;
+    const double sigma_px = std::sqrt(covariance.topLeftCorner<3, 3>().trace()) *
+                            search_.rig.left.camera.MeanFocal() / Median(std::move(depths));
+    return options_.max_sigmas * sigma_px <= options_.search_radius_px;
+  }
+
+  bool Proved(const Proposal& proposal, const std::vector<Proposal>& all) const {
+    if (proposal.motion.inlier_count >= options_.sure_revisit_inliers) return true;
+    return std::ranges::any_of(all, [&](const Proposal& other) {
+      return other.later != proposal.later &&
+             std::abs(other.later - proposal.later) <= options_.neighbours &&
+             std::abs(other.earlier - proposal.earlier) <= options_.neighbours &&
+             SameMotion(proposal, other);
+    });
+  }
+
+  // Whether the other's motion, carried along by the odometry, shows the points where this one
+  // does: within what the odometry may be off, as the matching of neighbours takes it.
+  bool SameMotion(const Proposal& one, const Proposal& other) const {
+    const int a = keyframes_[one.earlier], b = keyframes_[one.later];
+    const Rigid3 carried = OdometricMotion(keyframes_[other.later], b) *
+                           other.motion.current_from_reference *
+                           OdometricMotion(a, keyframes_[other.earlier]);
+    const Camera& camera = search_.rig.left.camera;
+    std::vector<double> distances_px;
+    for (const auto& x : search_.sample_points[a]) {
+      const auto here = Project(camera, one.motion.current_from_reference * x);
+      const auto there = Project(camera, carried * x);
+      if (!here || !camera.Contains(*here)) continue;
+      distances_px.push_back(there ? (*here - *there).norm() : camera.width);
+    }
+    const int steps = std::abs(one.earlier - other.earlier) + std::abs(one.later - other.later);
+    return !distances_px.empty() &&
+           Median(std::move(distances_px)) <= options_.search_radius_px * steps;
+  }
+
+  Rigid3 OdometricMotion(int from, int to) const {
+    return search_.odometry[to].world_from_left.Inverse() * search_.odometry[from].world_from_left;
+  }
+
+  const RevisitSearch& search_;
+  const MatchingOptions& options_;
+  std::vector<int> keyframes_;
+  std::vector<int> revisitable_;  // how many of the first keyframes, for each
+};
+
+}  // namespace
+
+std::vector<Revisit> FindRevisits(const RevisitSearch& search, const MatchingOptions& options) {
+  if (options.revisit_candidates == 0) return {};
+  return RevisitFinder(search, options).Find();
+}
+
+}  // namespace rigmap

@@ -1,0 +1,116 @@
+#include "matching/find_revisits.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "matching/match_frames.h"
+#include "tests/support/rover_correspondences.h"
+#include "tests/support/seeded_random.h"
+#include "tests/support/synthetic_rover.h"
+
+namespace rigmap {
+namespace {
+
+// Once round a circle and a little further.
+SyntheticRover CircleAndOn() {
+  std::vector<Rigid3> path;
+  for (int i = 0; i < 23; ++i) {
+    const double heading = 2.0 * std::numbers::pi * i / 20;
+    path.push_back(RoverPose(2.0 * std::sin(heading), 2.0 * (1.0 - std::cos(heading)), heading));
+  }
+  return MakeSyntheticRover({.points_per_m2 = 12.0, .pixel_sigma = 0.2, .textured_patches = true},
+                            path);
+}
+
+// Every step a degree too far to the left: 20 degrees at the end, far beyond any search radius.
+Odometry Drifting(const SyntheticRover& rover) {
+  std::vector<Rigid3> poses{rover.world_from_left.front()};
+  for (std::size_t i = 1; i < rover.world_from_left.size(); ++i) {
+    const Rigid3 step = rover.world_from_left[i - 1].Inverse() * rover.world_from_left[i];
+    const Rigid3 turn{ExpRotation({0.0, -std::numbers::pi / 180.0, 0.0}), Eigen::Vector3d::Zero()};
+    poses.push_back(poses.back() * step * turn);
+  }
+  return OdometryOfKeyframes(rover, poses);
+}
+
+Correspondences Match(const SyntheticRover& rover, const Odometry& odometry,
+                      const MatchingOptions& options = {}) {
+  return MatchFrames(
+      odometry, [&](int frame) { return rover.frames[frame]; }, rover.rig, options);
+}
+
+TEST(FindRevisits, FindsWhatTheOdometryDoesNotKnow) {
+  const SyntheticRover rover = CircleAndOn();
+  const Odometry odometry = Drifting(rover);
+  MatchingOptions blind;
+  blind.revisit_candidates = 0;
+  EXPECT_TRUE(Match(rover, odometry, blind).revisits.empty());
+  const Correspondences found = Match(rover, odometry);
+  ASSERT_GE(found.revisits.size(), 3u);
+  for (const Revisit& revisit : found.revisits) {
+    EXPECT_TRUE(revisit.by_appearance);
+    EXPECT_LT(revisit.a, revisit.b);
+    const Rigid3 true_motion =
+        rover.world_from_left[revisit.b].Inverse() * rover.world_from_left[revisit.a];
+    const Rigid3 error = revisit.b_from_a * true_motion.Inverse();
+    EXPECT_LT(error.translation.norm(), 0.02) << revisit.a << " " << revisit.b;
+    EXPECT_LT(AngleOf(error.rotation), 0.005);
+    const auto pair = std::ranges::find_if(
+        found.pairs, [&](const FramePair& p) { return p.a == revisit.a && p.b == revisit.b; });
+    ASSERT_NE(pair, found.pairs.end());
+    int right = 0;
+    for (const auto& [a, b] : pair->matches) {
+      right += rover.point_of_feature[pair->a][a] == rover.point_of_feature[pair->b][b] ? 1 : 0;
+    }
+    EXPECT_GT(right, 0.98 * static_cast<double>(pair->matches.size()));
+  }
+}
+
+TEST(FindRevisits, NoPairIsMatchedTwice) {
+  const SyntheticRover rover = CircleAndOn();
+  // Without drift odometry and looks lead to the same places.
+  const Correspondences found = Match(rover, OdometryOfKeyframes(rover, rover.world_from_left));
+  std::vector<std::pair<int, int>> pairs;
+  for (const FramePair& pair : found.pairs) pairs.emplace_back(pair.a, pair.b);
+  std::ranges::sort(pairs);
+  EXPECT_EQ(std::ranges::adjacent_find(pairs), pairs.end());
+  EXPECT_FALSE(found.revisits.empty());
+}
+
+TEST(FindRevisits, ALookalikeElsewhereIsNotBelieved) {
+  SeededRandom random;
+  SyntheticRover rover = CircleAndOn();
+  // The last frames look like others, but all that looks alike lies somewhere else.
+  for (int frame = 18; frame < 23; ++frame) {
+    auto& descriptors = rover.frames[frame].descriptors;
+    const auto& others = rover.frames[frame - 10].descriptors;
+    for (auto& descriptor : descriptors) {
+      descriptor =
+          others[static_cast<std::size_t>(random.Uniform(0.0, static_cast<double>(others.size())))];
+    }
+  }
+  for (const Revisit& revisit : Match(rover, Drifting(rover)).revisits) {
+    EXPECT_LT(revisit.b, 18) << revisit.a;
+  }
+}
+
+TEST(FindRevisits, AStraightWayHasNone) {
+  SeededRandom random;
+  const SyntheticRover rover = MakeSyntheticRover({.frames = 20,
+                                                   .step_m = 0.4,
+                                                   .curve_rad_per_m = 0.0,
+                                                   .points_per_m2 = 8.0,
+                                                   .textured_patches = true});
+  const Odometry odometry = OdometryOfKeyframes(rover, DriftingPoses(rover, 0.004, 0.002, random));
+  for (const Revisit& revisit : Match(rover, odometry).revisits) {
+    const Rigid3 true_motion =
+        rover.world_from_left[revisit.b].Inverse() * rover.world_from_left[revisit.a];
+    EXPECT_LT((revisit.b_from_a * true_motion.Inverse()).translation.norm(), 0.05);
+  }
+}
+
+}  // namespace
+}  // namespace rigmap

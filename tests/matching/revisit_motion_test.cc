@@ -1,0 +1,128 @@
+#include "matching/revisit_motion.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "matching/ground_warp.h"
+#include "tests/support/seeded_random.h"
+#include "tests/support/synthetic_rover.h"
+
+namespace rigmap {
+namespace {
+
+// Two views of one ground, the second turned by 150 degrees about the middle of what the first
+// sees.
+SyntheticRover TurnedViews() {
+  constexpr double kTurn_rad = 150.0 * std::numbers::pi / 180.0, kAhead_m = 3.0;
+  return MakeSyntheticRover(
+      {.points_per_m2 = 12.0, .relief_m = 0.0, .pixel_sigma = 0.1},
+      {RoverPose(0.0, 0.0, 0.0), RoverPose(kAhead_m * (1.0 - std::cos(kTurn_rad)),
+                                           -kAhead_m * std::sin(kTurn_rad), kTurn_rad)});
+}
+
+PlaceView ViewOf(const SyntheticRover& rover, int frame) {
+  PlaceView view{.features = rover.frames[frame]};
+  view.points = TriangulateFeatures(view.features.features, rover.rig, 0.15);
+  view.groups.assign(view.features.features.size(), 0);
+  return view;
+}
+
+Rigid3 TrueMotion(const SyntheticRover& rover) {
+  return rover.world_from_left[1].Inverse() * rover.world_from_left[0];
+}
+
+TEST(RevisitMotion, IsFoundWithoutPrediction) {
+  const SyntheticRover rover = TurnedViews();
+  const auto motion = MotionWithoutPrediction(ViewOf(rover, 0), ViewOf(rover, 1), rover.rig, {});
+  ASSERT_TRUE(motion);
+  const Rigid3 error = motion->current_from_reference * TrueMotion(rover).Inverse();
+  EXPECT_LT(error.translation.norm(), 0.03);
+  EXPECT_LT(AngleOf(error.rotation), 0.01);
+  EXPECT_GT(motion->inlier_count, 30);
+}
+
+TEST(RevisitMotion, IsFoundAmongNineWrongMatchesOfTen) {
+  SeededRandom random;
+  const SyntheticRover rover = TurnedViews();
+  const PlaceView a = ViewOf(rover, 0), b = ViewOf(rover, 1);
+  std::vector<FeatureMatch> matches;
+  for (const auto& [of_a, of_b] : TrueMatches(rover, 0, 1)) {
+    if (a.points[of_a] && b.points[of_b] && matches.size() < 30) matches.push_back({of_a, of_b});
+  }
+  ASSERT_EQ(matches.size(), 30u);
+  const auto any = [&](std::size_t count) {
+    return static_cast<int>(random.Uniform(0.0, static_cast<double>(count)));
+  };
+  while (matches.size() < 300) matches.push_back({any(a.points.size()), any(b.points.size())});
+  const auto motions = MotionsOfAgreeingMatches(matches, a.points, b.points);
+  ASSERT_FALSE(motions.empty());
+  const bool found = std::ranges::any_of(motions, [&](const Rigid3& motion) {
+    const Rigid3 error = motion * TrueMotion(rover).Inverse();
+    return error.translation.norm() < 0.2 && AngleOf(error.rotation) < 0.06;
+  });
+  EXPECT_TRUE(found);
+}
+
+TEST(RevisitMotion, OtherGroundHasNone) {
+  SeededRandom random;
+  SyntheticRover rover = TurnedViews();
+  // Descriptors that look like those of the first frame, but at random places.
+  auto& descriptors = rover.frames[1].descriptors;
+  for (std::size_t i = descriptors.size() - 1; i > 0; --i) {
+    const auto other = static_cast<std::size_t>(random.Uniform(0.0, static_cast<double>(i + 1)));
+    std::swap(descriptors[i], descriptors[other]);
+  }
+  EXPECT_FALSE(MotionWithoutPrediction(ViewOf(rover, 0), ViewOf(rover, 1), rover.rig, {}));
+  EXPECT_FALSE(MotionWithoutPrediction(PlaceView{}, ViewOf(rover, 1), rover.rig, {}));
+}
+
+TEST(RevisitMotion, OnlyFeaturesOfAGroupMatch) {
+  const SyntheticRover rover = TurnedViews();
+  const PlaceView a = ViewOf(rover, 0);
+  PlaceView b = ViewOf(rover, 1);
+  std::ranges::fill(b.groups, 1);
+  EXPECT_FALSE(MotionWithoutPrediction(a, b, rover.rig, {}));
+}
+
+TEST(GroundWarp, IsHowNeighbouringPlacesMove) {
+  const SyntheticRover rover = TurnedViews();
+  const PlaceView a = ViewOf(rover, 0);
+  const Camera& camera = rover.rig.left.camera;
+  int checked = 0;
+  for (const auto& [of_a, of_b] : TrueMatches(rover, 0, 1)) {
+    if (!a.points[of_a] || a.points[of_a]->x_in_left.z() > 4.0) continue;
+    const auto warp = GroundWarp(a.features.features, a.points, of_a, TrueMotion(rover), camera);
+    ASSERT_TRUE(warp);
+    // The ground is flat: a spot a little to the side of the true point, seen by both cameras.
+    const Eigen::Vector3d& x = rover.points[rover.point_of_feature[0][of_a]];
+    const Eigen::Vector3d aside = x + Eigen::Vector3d(0.01, 0.01, 0.0);
+    const auto pixel = [&](int frame, const Eigen::Vector3d& in_world) {
+      return *Project(camera, rover.world_from_left[frame].Inverse() * in_world);
+    };
+    const Eigen::Vector2d in_a = pixel(0, aside) - pixel(0, x);
+    const Eigen::Vector2d in_b = pixel(1, aside) - pixel(1, x);
+    EXPECT_LT((*warp * in_a - in_b).norm(), 0.35 * in_b.norm());
+    ++checked;
+  }
+  EXPECT_GT(checked, 10);
+}
+
+TEST(GroundWarp, IsNoneWhereNothingMoves) {
+  const SyntheticRover rover = TurnedViews();
+  const PlaceView a = ViewOf(rover, 0);
+  for (std::size_t i = 0; i < a.points.size(); ++i) {
+    if (!a.points[i]) continue;
+    const auto warp = GroundWarp(a.features.features, a.points, static_cast<int>(i), Rigid3(),
+                                 rover.rig.left.camera);
+    if (!warp) continue;
+    EXPECT_LT((*warp - Eigen::Matrix2d::Identity()).norm(), 1e-6);
+  }
+  const std::vector<std::optional<StereoPoint>> alone(a.points.size(), std::nullopt);
+  EXPECT_FALSE(GroundWarp(a.features.features, alone, 0, Rigid3(), rover.rig.left.camera));
+}
+
+}  // namespace
+}  // namespace rigmap
