@@ -194,8 +194,8 @@ class Adjuster {
       Matrix6d left_from_world = Matrix6d::Zero();
       left_from_world.topLeftCorner<3, 3>() = left_from_world.bottomRightCorner<3, 3>() =
           bundle_.left_from_world[i]->rotation.toRotationMatrix();
-      const Matrix6d grow =
-          left_from_world.transpose() * system.inflations[i].asDiagonal() * left_from_world;
+      const Matrix6d grow = options_.shared_noise * left_from_world.transpose() *
+                            system.inflations[i].asDiagonal() * left_from_world;
       covariances[i] = grow * covariances[i] * grow.transpose();
       if (correction_.isZero() || system.by_calibration.empty()) continue;
       // A rig that was found from the same images is uncertain itself.

@@ -20,6 +20,7 @@ OptionFields AdjustmentOptions::Fields() {
           {"huber_sigmas", &huber_sigmas},
           {"outlier_sigmas", &outlier_sigmas},
           {"min_noise_px", &min_noise_px},
+          {"shared_noise", &shared_noise},
           {"max_depth_baselines", &max_depth_baselines},
           {"rounds", &rounds},
           {"max_iterations", &max_iterations},
@@ -44,6 +45,7 @@ void AdjustmentOptions::Validate() const {
   positive("huber_sigmas", huber_sigmas);
   positive("outlier_sigmas", outlier_sigmas);
   positive("min_noise_px", min_noise_px);
+  RequireOption(shared_noise >= 1.0, "adjustment.shared_noise", "1 or more", shared_noise);
   positive("max_depth_baselines", max_depth_baselines);
   positive("function_tolerance", function_tolerance);
   RequireOption(rounds >= 1 && rounds <= 20, "adjustment.rounds", "1 to 20", rounds);

@@ -1,6 +1,7 @@
 #include "adjustment/bundle.h"
 
 #include <ceres/ceres.h>
+#include <glog/logging.h>
 #include <spdlog/spdlog.h>
 
 #include "adjustment/anchor_frames.h"
@@ -41,6 +42,8 @@ class BundleProblem {
     solver_options.initial_trust_region_radius = 1e8;
     solver_options.num_threads = 1;  // the order of sums, and so the last digits, depends on it
     solver_options.logging_type = ceres::SILENT;
+    // A step that fails is damped and tried again: no warning for our users' stderr.
+    FLAGS_minloglevel = google::GLOG_ERROR;
     ceres::Solver::Summary summary;
     ceres::Solve(solver_options, &problem_, &summary);
     spdlog::info("{}", summary.BriefReport());

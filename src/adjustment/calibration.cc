@@ -98,16 +98,14 @@ std::optional<ProbableCorrection> BetterCorrection(const CalibrationVector& now,
       !Contradicts(equations, options.refine_sigmas)) {
     return std::nullopt;
   }
-  const CalibrationVector prior = PriorSigmas(options).cwiseAbs2().cwiseInverse();
-  CalibrationMatrix system = equations.information;
-  CalibrationVector right_side = system * now + equations.score;
-  CalibrationMatrix honest = equations.information / Inflation(equations);
-  system.diagonal() += prior;
-  honest.diagonal() += prior;
+  // Directions that hardly show must not follow noise that is shared.
+  const double times_as_uncertain =
+      Inflation(equations) * options.shared_noise * options.shared_noise;
+  CalibrationMatrix system = equations.information / times_as_uncertain;
+  CalibrationVector right_side = system * now + equations.score / times_as_uncertain;
+  system.diagonal() += PriorSigmas(options).cwiseAbs2().cwiseInverse();
   Hold(FirstHeld(options.refine_rig), system, right_side);
-  ProbableCorrection better{system.ldlt().solve(right_side), {}};
-  Hold(FirstHeld(options.refine_rig), honest, right_side);
-  better.covariance = honest.inverse();
+  ProbableCorrection better{system.ldlt().solve(right_side), system.inverse()};
   for (int i = FirstHeld(options.refine_rig); i < kCalibrationSize; ++i) {
     better.covariance(i, i) = 0.0;
   }

@@ -121,7 +121,7 @@ double Cubic(const GreyView& image, const Eigen::Vector2d& x) {
 bool Sample(const GreyView& target, const Template& window, const PatchWarp& warp,
             std::array<double, kMaxSamples>& grey) {
   for (int i = 0; i < window.count; ++i) {
-    const Eigen::Vector2d x = warp.position + warp.linear * window.offset[i];
+    const Eigen::Vector2d x = warp * window.offset[i];
     if (!(x.x() >= 0.0 && x.y() >= 0.0 && x.x() < target.width - 1 && x.y() < target.height - 1)) {
       return false;
     }

@@ -15,10 +15,19 @@ struct GreyView {
   int stride = 0;
 };
 
-// Maps offsets from the template's centre into the target: x = position + linear * offset.
+// Maps offsets u from the template's centre into the target: x = position + linear (u + bend q),
+// q = (u.x u.x, u.x u.y, u.y u.y).
 struct PatchWarp {
   Eigen::Matrix2d linear = Eigen::Matrix2d::Identity();
   Eigen::Vector2d position = Eigen::Vector2d::Zero();  // px in the target
+  // 1/px; what perspective and lenses add, known beforehand: it is not searched. Left out it would
+  // draw windows aside, all of a frame the same way, by some hundredths of a pixel.
+  Eigen::Matrix<double, 2, 3> bend = Eigen::Matrix<double, 2, 3>::Zero();
+
+  Eigen::Vector2d operator*(const Eigen::Vector2d& u) const {
+    return position +
+           linear * (u + bend * Eigen::Vector3d(u.x() * u.x(), u.x() * u.y(), u.y() * u.y()));
+  }
 };
 
 struct PatchAlignmentOptions {

@@ -1,4 +1,4 @@
-// What stands still in the image while the rover moves: its own shadow, wheels, dirt on a lens.
+// What stands still in the image while the rover moves: its own shadow, wheels.
 #pragma once
 
 #include <cstdint>

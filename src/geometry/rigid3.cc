@@ -1,5 +1,8 @@
 #include "geometry/rigid3.h"
 
+#include <Eigen/LU>
+#include <cmath>
+
 namespace rigmap {
 
 Eigen::Vector3d LogRotation(const Eigen::Quaterniond& rotation) {
@@ -26,10 +29,26 @@ Eigen::Matrix3d Skew(const Eigen::Vector3d& a) {
   return m;
 }
 
+namespace {
+
+// Where a constant motion has got to after unit time, if it moves by I and turns by `turn` in its
+// own axes: the translation is this times I.
+Eigen::Matrix3d LeftJacobian(const Eigen::Vector3d& turn) {
+  const double angle = turn.norm();
+  const Eigen::Matrix3d skew = Skew(turn);
+  constexpr double kSmall = 1e-4;  // there the series are exact to rounding
+  const double a = angle < kSmall ? 0.5 : (1.0 - std::cos(angle)) / (angle * angle);
+  const double b = angle < kSmall ? 1.0 / 6.0 : (angle - std::sin(angle)) / (angle * angle * angle);
+  return Eigen::Matrix3d::Identity() + a * skew + b * skew * skew;
+}
+
+}  // namespace
+
 Rigid3 Interpolate(const Rigid3& from, const Rigid3& to, double share) {
-  const Eigen::Vector3d turn = LogRotation(from.rotation.conjugate() * to.rotation);
-  return {(from.rotation * ExpRotation(share * turn)).normalized(),
-          from.translation + share * (to.translation - from.translation)};
+  const Rigid3 motion = from.Inverse() * to;
+  const Eigen::Vector3d turn = LogRotation(motion.rotation);
+  const Eigen::Vector3d speed = LeftJacobian(turn).partialPivLu().solve(motion.translation);
+  return from * Rigid3{ExpRotation(share * turn), LeftJacobian(share * turn) * (share * speed)};
 }
 
 }  // namespace rigmap

@@ -60,7 +60,8 @@ Eigen::Quaterniond ExpRotation(const Eigen::Vector3d& rotation_vector);
 // The cross-product matrix: Skew(a) * b == a.cross(b).
 Eigen::Matrix3d Skew(const Eigen::Vector3d& a);
 
-// The pose between two others: share 0 gives `from`, 1 gives `to`; beyond, the motion goes on.
+// The pose between two others on the screw motion that leads from one to the other, as a rover that
+// keeps its speed and its curve: share 0 gives `from`, 1 gives `to`; beyond, the motion goes on.
 Rigid3 Interpolate(const Rigid3& from, const Rigid3& to, double share);
 
 }  // namespace rigmap

@@ -38,12 +38,13 @@ void RestorePositions(const std::vector<Feature>& refined, const std::vector<boo
 }
 
 bool AlignWithAnchor(const AnchoredFrame& earlier, int a, AnchoredFrame& later, int b,
-                     const Eigen::Matrix2d& later_from_earlier, const MatchingOptions& options) {
+                     const ExpectedView& expected, const MatchingOptions& options) {
   const Anchor& anchor = earlier.anchors[a];
   const Eigen::Vector2d found = later.found.features[b].left;
   const Eigen::Vector2d patch_origin = found - OffsetInPatch(found) - kPatchCentre.cast<double>();
   PatchWarp start;
-  start.linear = later_from_earlier * anchor.frame_from_patch;
+  start.linear = expected.later_from_earlier * anchor.frame_from_patch;
+  start.bend = expected.bend;
   start.position = found - patch_origin - start.linear * anchor.offset;
   PatchAlignmentOptions alignment;
   alignment.max_shift_px = 2.0;
@@ -53,8 +54,7 @@ bool AlignWithAnchor(const AnchoredFrame& earlier, int a, AnchoredFrame& later, 
       result->sigma_px > options.max_position_sigma_px) {
     return false;
   }
-  const Eigen::Vector2d moved =
-      patch_origin + result->warp.position + result->warp.linear * anchor.offset;
+  const Eigen::Vector2d moved = patch_origin + result->warp * anchor.offset;
   Feature& refined = later.refined[b];
   if (refined.right) *refined.right += moved - refined.left;
   refined.left = moved;
@@ -62,7 +62,7 @@ bool AlignWithAnchor(const AnchoredFrame& earlier, int a, AnchoredFrame& later, 
   const double growth = std::sqrt(std::abs(result->warp.linear.determinant()));
   constexpr double kMaxGrowth = 1.5;
   if (growth < kMaxGrowth && growth > 1.0 / kMaxGrowth) {
-    later.anchors[b] = {anchor.patch, anchor.offset, result->warp.linear};
+    later.anchors[b] = {anchor.patch, anchor.offset, result->warp.linear, anchor.ground};
   } else {
     // The patch of this view, around the refined place, serves those to come.
     later.anchors[b] = {later.found.patches[b], moved - patch_origin - kPatchCentre.cast<double>()};

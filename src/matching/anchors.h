@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "correspondence/patch_alignment.h"
+#include "matching/ground_warp.h"
 #include "matching/matching_options.h"
 #include "scene/features.h"
 
@@ -16,6 +17,14 @@ struct Anchor {
   Patch patch{};
   Eigen::Vector2d offset = Eigen::Vector2d::Zero();  // of the place from the patch's centre
   Eigen::Matrix2d frame_from_patch = Eigen::Matrix2d::Identity();
+  std::optional<GroundPatch> ground;  // that the patch shows, where it has been asked for
+};
+
+// How a later frame is expected to see an anchor.
+struct ExpectedView {
+  Eigen::Matrix2d later_from_earlier = Eigen::Matrix2d::Identity();  // turned, stretched, grown
+  Eigen::Matrix<double, 2, 3> bend =
+      Eigen::Matrix<double, 2, 3>::Zero();  // of its patch, PatchWarp
 };
 
 // Anchors and current positions of one frame's features.
@@ -35,9 +44,8 @@ void RestorePositions(const std::vector<Feature>& refined, const std::vector<boo
 
 // Aligns feature b of `later` with the anchor of feature a of `earlier` and moves it there, its
 // stereo partner along with it; the anchor is handed on, or made anew where the view has changed by
-// more than half in size. `later_from_earlier` is how the view is expected to turn, stretch and
-// grow. False, with nothing changed, where the patches do not agree.
+// more than half in size. False, with nothing changed, where the patches do not agree.
 bool AlignWithAnchor(const AnchoredFrame& earlier, int a, AnchoredFrame& later, int b,
-                     const Eigen::Matrix2d& later_from_earlier, const MatchingOptions& options);
+                     const ExpectedView& expected, const MatchingOptions& options);
 
 }  // namespace rigmap

@@ -1,6 +1,7 @@
 #include "matching/ground_warp.h"
 
 #include <Eigen/Eigenvalues>
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
@@ -42,34 +43,48 @@ Eigen::Vector3d PlaneNormal(const std::vector<Eigen::Vector3d>& points) {
 
 }  // namespace
 
-std::optional<Eigen::Matrix2d> GroundWarp(const std::vector<Feature>& features,
-                                          const std::vector<std::optional<StereoPoint>>& points,
-                                          int index, const Rigid3& b_from_a, const Camera& camera) {
+std::optional<GroundPatch> GroundAround(const std::vector<Feature>& features,
+                                        const std::vector<std::optional<StereoPoint>>& points,
+                                        int index, int frame) {
   const std::vector<Eigen::Vector3d> nearest = NearestPoints(features, points, index);
   if (nearest.size() < kPlanePoints / 2) return std::nullopt;
-  const Eigen::Vector3d normal = PlaneNormal(nearest);
-  const Eigen::Vector3d& x = points[index]->x_in_left;
+  return GroundPatch{frame, features[index].left.array().round(), points[index]->x_in_left,
+                     PlaneNormal(nearest)};
+}
+
+std::optional<PatchWarp> GroundWarp(const GroundPatch& patch, const Rigid3& b_from_a,
+                                    const Camera& camera) {
+  const Eigen::Vector3d &x = patch.x, &normal = patch.normal;
   const Eigen::Vector3d eye_of_b = b_from_a.Inverse().translation;
   const double side_a = normal.dot(x) / x.norm();
   const double side_b = normal.dot(x - eye_of_b) / (x - eye_of_b).norm();
   if (std::abs(side_a) < kEdgeOn || side_b * (side_a > 0.0 ? 1.0 : -1.0) < kEdgeOn) {
     return std::nullopt;
   }
-  const auto in_b = [&](const Eigen::Vector2d& pixel) -> std::optional<Eigen::Vector2d> {
-    const auto ray = Undistort(camera, pixel);
-    if (!ray) return std::nullopt;
+  const auto in_b = [&](const Eigen::Vector2d& offset) -> Eigen::Vector2d {
+    const auto ray = Undistort(camera, patch.centre + offset);
+    if (!ray) return Eigen::Vector2d::Constant(NAN);
     const Eigen::Vector3d direction = ray->homogeneous();
-    const double along = normal.dot(direction);
-    if (std::abs(along) < 1e-9) return std::nullopt;
-    return Project(camera, b_from_a * (normal.dot(x) / along * direction));
+    const auto pixel =
+        Project(camera, b_from_a * (normal.dot(x) / normal.dot(direction) * direction));
+    return pixel.value_or(Eigen::Vector2d::Constant(NAN));
   };
-  Eigen::Matrix2d warp;
-  for (int axis = 0; axis < 2; ++axis) {
-    const Eigen::Vector2d step = Eigen::Vector2d::Unit(axis);
-    const auto before = in_b(features[index].left - step),
-               after = in_b(features[index].left + step);
-    if (!before || !after) return std::nullopt;
-    warp.col(axis) = 0.5 * (*after - *before);
+  // About the radius of the windows that are aligned.
+  constexpr double kStep_px = 4.0;
+  const Eigen::Vector2d h = kStep_px * Eigen::Vector2d::UnitX(),
+                        v = kStep_px * Eigen::Vector2d::UnitY();
+  const Eigen::Vector2d centre = in_b(Eigen::Vector2d::Zero()), right = in_b(h), left = in_b(-h),
+                        below = in_b(v), above = in_b(-v);
+  PatchWarp warp{.position = centre};
+  warp.linear << (right - left) / (2.0 * kStep_px), (below - above) / (2.0 * kStep_px);
+  const double square = kStep_px * kStep_px;
+  Eigen::Matrix<double, 2, 3> second;
+  second << (right + left - 2.0 * centre) / (2.0 * square),
+      (in_b(h + v) + in_b(-h - v) - in_b(h - v) - in_b(v - h)) / (4.0 * square),
+      (below + above - 2.0 * centre) / (2.0 * square);
+  warp.bend = warp.linear.inverse() * second;
+  if (!warp.position.allFinite() || !warp.linear.allFinite() || !warp.bend.allFinite()) {
+    return std::nullopt;
   }
   return warp;
 }

@@ -34,20 +34,6 @@ double Growth(const StereoPoint& in_a, const Rigid3& b_from_a) {
   return std::clamp(in_a.x_in_left.z() / std::max(depth_in_b, 1e-6), 0.5, 2.0);
 }
 
-// How the view of the feature changes from one frame to the other: as its surroundings lie, if it
-// is a revisit, which may look from another side; else only in size.
-Eigen::Matrix2d ExpectedWarp(const MatchedFrame& from, int feature, const Rigid3& to_from_from,
-                             bool revisit, const StereoRig& rig) {
-  const auto& point = from.points[feature];
-  if (!point) return Eigen::Matrix2d::Identity();
-  if (revisit) {
-    const auto warp = GroundWarp(from.anchored.found.features, from.points, feature, to_from_from,
-                                 rig.left.camera);
-    if (warp) return *warp;
-  }
-  return Growth(*point, to_from_from) * Eigen::Matrix2d::Identity();
-}
-
 class FrameMatcher {
  public:
   FrameMatcher(const Odometry& odometry, const MatchingFeatures& features, const StereoRig& rig,
@@ -91,7 +77,8 @@ class FrameMatcher {
     // Align the frame that was not matched with others before, which is the one that is no keyframe
     // or else the later one.
     const bool backwards = !odometry_[pair.a].keyframe;
-    MatchedFrame& fixed = window_.At(backwards ? pair.b : pair.a);
+    const int fixed_frame = backwards ? pair.b : pair.a;
+    MatchedFrame& fixed = window_.At(fixed_frame);
     MatchedFrame& moving = window_.At(backwards ? pair.a : pair.b);
     const Rigid3 moving_from_fixed = backwards ? b_from_a.Inverse() : b_from_a;
     FramePair result{pair.a, pair.b, {}};
@@ -100,13 +87,39 @@ class FrameMatcher {
       const int in_moving = backwards ? match.a : match.b;
       if (!moving.anchored.aligned[in_moving] &&
           !AlignWithAnchor(fixed.anchored, in_fixed, moving.anchored, in_moving,
-                           ExpectedWarp(fixed, in_fixed, moving_from_fixed, returned, rig_),
+                           Expected(fixed, in_fixed, fixed_frame, moving_from_fixed, returned),
                            options_)) {
         continue;
       }
       result.matches.emplace_back(match.a, match.b);
     }
     return result;
+  }
+
+  // How the feature's anchor, in the frame that is held, will look in the other: bent as its ground
+  // lies; turned and stretched so, too, if it is a revisit, which may look from another side; else
+  // grown only.
+  ExpectedView Expected(MatchedFrame& fixed, int feature, int fixed_frame,
+                        const Rigid3& moving_from_fixed, bool returned) const {
+    const auto& point = fixed.points[feature];
+    if (!point) return {};
+    ExpectedView expected{Growth(*point, moving_from_fixed) * Eigen::Matrix2d::Identity()};
+    const auto ground_here = [&] {
+      return GroundAround(fixed.anchored.found.features, fixed.points, feature, fixed_frame);
+    };
+    auto& ground = fixed.anchored.anchors[feature].ground;
+    if (!ground) ground = ground_here();
+    if (!ground) return expected;
+    const Rigid3 moving_from_source =
+        moving_from_fixed * OdometricMotion(odometry_, ground->frame, fixed_frame);
+    const auto bent = GroundWarp(*ground, moving_from_source, rig_.left.camera);
+    if (bent) expected.bend = bent->bend;
+    if (!returned) return expected;
+    const auto here = ground_here();
+    const auto turned =
+        here ? GroundWarp(*here, moving_from_fixed, rig_.left.camera) : std::nullopt;
+    if (turned) expected.later_from_earlier = turned->linear;
+    return expected;
   }
 
   const Odometry& odometry_;

@@ -5,6 +5,7 @@ namespace rigmap {
 OptionFields OdometryOptions::Fields() {
   return {{"keypoint_noise_px", &keypoint_noise_px},
           {"disparity_noise_px", &disparity_noise_px},
+          {"shared_noise", &shared_noise},
           {"max_sigmas", &max_sigmas},
           {"min_inliers", &min_inliers},
           {"keyframe_min_seen_share", &keyframe_min_seen_share},
@@ -21,6 +22,7 @@ void OdometryOptions::Validate() const {
   };
   positive("keypoint_noise_px", keypoint_noise_px);
   positive("disparity_noise_px", disparity_noise_px);
+  RequireOption(shared_noise >= 1.0, "odometry.shared_noise", "1 or more", shared_noise);
   positive("max_sigmas", max_sigmas);
   positive("stand_still_sigmas", stand_still_sigmas);
   positive("search_radius_px", search_radius_px);

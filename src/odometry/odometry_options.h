@@ -10,6 +10,9 @@ struct OdometryOptions {
   // sigmas. Measured on sand: SIFT matches scatter by 0.3 px, aligned stereo partners by 0.1 px.
   double keypoint_noise_px = 0.3;
   double disparity_noise_px = 0.15;
+  // Sigmas of a motion grow by this: noise that all matches of a frame share leaves no trace in
+  // their residuals. As in the adjustment.
+  double shared_noise = 1.6;
   // A match is an inlier within so many sigmas.
   double max_sigmas = 4.0;
   // Fewer agreeing matches than this do not make a motion: wrong ones reach 10 by chance.

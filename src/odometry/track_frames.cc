@@ -131,7 +131,7 @@ void Place(const Found& found, int reference, const Rigid3& world_from_reference
   frame.reference = reference;
   frame.source = PoseSource::kOdometry;
   frame.inliers = found.inliers;
-  frame.step_covariance = found.covariance;
+  frame.step_covariance = options.shared_noise * options.shared_noise * found.covariance;
   frame.stands_still = StandsStill(found, options);
   const Rigid3 motion = frame.stands_still ? Rigid3() : found.current_from_reference;
   frame.world_from_left = world_from_reference * motion.Inverse();

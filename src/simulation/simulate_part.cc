@@ -78,6 +78,14 @@ std::vector<TruthFrame> TruthFrames(std::span<const DriveFrame> frames,
   return truth;
 }
 
+std::vector<int> UnusableFrames(std::span<const DriveFrame> frames) {
+  std::vector<int> unusable;
+  for (const auto& frame : frames) {
+    if (frame.IsPaired() && !frame.IsUsable()) unusable.push_back(frame.index);
+  }
+  return unusable;
+}
+
 std::vector<Eigen::Vector2d> CameraPath(std::span<const DriveFrame> frames) {
   std::vector<Eigen::Vector2d> places;
   for (const auto& frame : frames) places.push_back(frame.world_from_left.translation.head<2>());
@@ -148,9 +156,14 @@ void SimulatePart(const SimulationRequest& request, const fs::path& folder) {
   WriteRig(request.rig, mount, truth / "rig.yaml");
   WriteRockFiles(data, request.traverse, world.boulders(), local, request.seed);
 
-  const TruthSetting setting{request.rig,           mount,          plan.scene,
-                             request.path,          request.faults, request.seed,
-                             request.clock_offset_s};
+  const TruthSetting setting{.rig = request.rig,
+                             .mount = mount,
+                             .scene = plan.scene,
+                             .path = request.path,
+                             .faults = request.faults,
+                             .seed = request.seed,
+                             .unusable_frames = UnusableFrames(frames),
+                             .gps_clock_offset_s = request.clock_offset_s};
   WriteTruthFiles(truth / name, TruthFrames(frames, saturated), setting, local);
   WriteTruthOfSurface(world, request.rig, frames, truth / name);
   WriteTruthOfDepth(world, request, frames, truth / name / "depth");

@@ -126,6 +126,7 @@ std::string TruthText(const TruthSetting& setting, const LocalFrame& local) {
   json["scene"] = setting.scene.name;
   json["path"] = setting.path;
   json["faults"] = setting.faults;
+  json["unusable_frames"] = setting.unusable_frames;
   return json.dump(1) + '\n';
 }
 

@@ -34,7 +34,8 @@ struct TruthSetting {
   std::string path;                 // name of its shape
   std::vector<std::string> faults;  // NAME=VALUE as asked for
   std::uint64_t seed = 0;
-  double gps_clock_offset_s = 0.0;  // stamp of a fix minus the time at which it was true
+  std::vector<int> unusable_frames;  // indices of pairs of which an image is black or damaged
+  double gps_clock_offset_s = 0.0;   // stamp of a fix minus the time at which it was true
 };
 
 // Writes into `folder`:

@@ -206,7 +206,7 @@ TEST_F(AdjustTest, SigmasAreHonest) {
   for (unsigned trial = 0; trial < kTrials; ++trial) {
     Make({.frames = 8, .points_per_m2 = 6.0, .seed = 100 + trial});
     const auto odometric = DriftingPoses(rover_, 0.002, 0.0005, random_);
-    sum += NormalisedError(Adjust(AllOf(odometric)), rover_, 7);
+    sum += NormalisedError(Adjust(AllOf(odometric), {.shared_noise = 1.0}), rover_, 7);
   }
   EXPECT_GT(sum / kTrials, 0.5);
   EXPECT_LT(sum / kTrials, 2.0);

@@ -24,6 +24,7 @@ TEST(AdjustmentOptions, NonsenseIsRefused) {
   EXPECT_THROW(AdjustmentOptions{.huber_sigmas = -1.0}.Validate(), UsageError);
   EXPECT_THROW(AdjustmentOptions{.outlier_sigmas = 0.0}.Validate(), UsageError);
   EXPECT_THROW(AdjustmentOptions{.min_noise_px = 0.0}.Validate(), UsageError);
+  EXPECT_THROW(AdjustmentOptions{.shared_noise = 0.9}.Validate(), UsageError);
   EXPECT_THROW(AdjustmentOptions{.max_depth_baselines = 0.0}.Validate(), UsageError);
   EXPECT_THROW(AdjustmentOptions{.rounds = 0}.Validate(), UsageError);
   EXPECT_THROW(AdjustmentOptions{.max_iterations = 0}.Validate(), UsageError);
@@ -45,6 +46,7 @@ TEST(AdjustmentOptions, EveryFieldIsReadByItsName) {
   EXPECT_EQ(options.huber_sigmas, 7.0);
   EXPECT_EQ(options.outlier_sigmas, 7.0);
   EXPECT_EQ(options.min_noise_px, 7.0);
+  EXPECT_EQ(options.shared_noise, 7.0);
   EXPECT_EQ(options.max_depth_baselines, 7.0);
   EXPECT_EQ(options.rounds, 7);
   EXPECT_EQ(options.max_iterations, 7);

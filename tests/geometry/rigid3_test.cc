@@ -98,16 +98,22 @@ TEST(Interpolate, MeetsBothEndsAndItsOwnReverse) {
 
 TEST(Interpolate, GoesAtAConstantRateAndOnBeyondTheEnd) {
   SeededRandom random;
-  const Rigid3 from = random.Motion(kReach);
-  const Rigid3 to = from * random.Motion(1.0, 0.5);
-  const double angle = AngleOf(from.rotation.conjugate() * to.rotation);
-  for (const double share : {0.25, 0.5, 2.0}) {
-    const Rigid3 between = Interpolate(from, to, share);
-    EXPECT_NEAR(AngleOf(from.rotation.conjugate() * between.rotation), share * angle, 1e-12);
-    EXPECT_LT((between.translation - from.translation - share * (to.translation - from.translation))
-                  .norm(),
-              1e-12);
+  for (int i = 0; i < kTrials; ++i) {
+    const Rigid3 from = random.Motion(kReach);
+    const Rigid3 step = random.Motion(1.0, 0.5);
+    const Rigid3 to = from * step * step * step * step;
+    EXPECT_LT(Difference(Interpolate(from, to, 0.25), from * step), 1e-9);
+    EXPECT_LT(Difference(Interpolate(from, to, 0.75), from * step * step * step), 1e-9);
+    EXPECT_LT(Difference(Interpolate(from, to, 1.5), to * step * step), 1e-9);
   }
+}
+
+TEST(Interpolate, WithoutATurnGoesStraight) {
+  const Rigid3 from{ExpRotation({0.3, -0.2, 1.0}), {1.0, 2.0, 3.0}};
+  const Rigid3 to{from.rotation, {3.0, -2.0, 4.0}};
+  const Rigid3 between = Interpolate(from, to, 0.25);
+  EXPECT_LT((between.translation - Eigen::Vector3d(1.5, 1.0, 3.25)).norm(), 1e-12);
+  EXPECT_LT(AngleOf(from.rotation.conjugate() * between.rotation), 1e-12);
 }
 
 TEST(Sim3, InverseUndoesTheSimilarity) {

@@ -40,7 +40,7 @@ class AnchorsTest : public testing::Test {
   MatchingOptions options_;
 };
 
-Eigen::Matrix2d Grown(double factor) { return factor * Eigen::Matrix2d::Identity(); }
+ExpectedView Grown(double factor) { return {factor * Eigen::Matrix2d::Identity()}; }
 
 double Median(std::vector<double> values) {
   std::sort(values.begin(), values.end());

@@ -94,7 +94,9 @@ TEST(GroundWarp, IsHowNeighbouringPlacesMove) {
   int checked = 0;
   for (const auto& [of_a, of_b] : TrueMatches(rover, 0, 1)) {
     if (!a.points[of_a] || a.points[of_a]->x_in_left.z() > 4.0) continue;
-    const auto warp = GroundWarp(a.features.features, a.points, of_a, TrueMotion(rover), camera);
+    const auto ground = GroundAround(a.features.features, a.points, of_a, 0);
+    ASSERT_TRUE(ground);
+    const auto warp = GroundWarp(*ground, TrueMotion(rover), camera);
     ASSERT_TRUE(warp);
     // The ground is flat: a spot a little to the side of the true point, seen by both cameras.
     const Eigen::Vector3d& x = rover.points[rover.point_of_feature[0][of_a]];
@@ -104,24 +106,51 @@ TEST(GroundWarp, IsHowNeighbouringPlacesMove) {
     };
     const Eigen::Vector2d in_a = pixel(0, aside) - pixel(0, x);
     const Eigen::Vector2d in_b = pixel(1, aside) - pixel(1, x);
-    EXPECT_LT((*warp * in_a - in_b).norm(), 0.35 * in_b.norm());
+    EXPECT_LT((warp->linear * in_a - in_b).norm(), 0.35 * in_b.norm());
     ++checked;
   }
   EXPECT_GT(checked, 10);
 }
 
-TEST(GroundWarp, IsNoneWhereNothingMoves) {
+TEST(GroundWarp, BendsAsPlaneAndLensDo) {
+  SeededRandom random;
+  const Camera camera = LocCamRig().left.camera;
+  for (int trial = 0; trial < 50; ++trial) {
+    const Eigen::Vector2d centre(std::round(random.Uniform(100, 900)),
+                                 std::round(random.Uniform(400, 700)));
+    const Eigen::Vector3d ray = Undistort(camera, centre)->homogeneous();
+    const GroundPatch patch{0, centre, 2.0 * ray, Eigen::Vector3d(0.05, -0.94, -0.33).normalized()};
+    const Rigid3 b_from_a{ExpRotation({0.0, random.Uniform(-0.1, 0.1), 0.0}), {0.0, 0.1, -0.4}};
+    const auto warp = GroundWarp(patch, b_from_a, camera);
+    ASSERT_TRUE(warp);
+    double without_bend_px = 0.0;
+    for (int i = 0; i < 10; ++i) {
+      const Eigen::Vector2d u(random.Uniform(-6, 6), random.Uniform(-6, 6));
+      const Eigen::Vector3d direction = Undistort(camera, centre + u)->homogeneous();
+      const Eigen::Vector3d on_plane =
+          patch.normal.dot(patch.x) / patch.normal.dot(direction) * direction;
+      const Eigen::Vector2d truth = *Project(camera, b_from_a * on_plane);
+      EXPECT_LT((*warp * u - truth).norm(), 0.01);
+      without_bend_px =
+          std::max(without_bend_px, (warp->position + warp->linear * u - truth).norm());
+    }
+    EXPECT_GT(without_bend_px, 0.004);
+  }
+}
+
+TEST(GroundWarp, IsTheSameWhereNothingMoves) {
   const SyntheticRover rover = TurnedViews();
   const PlaceView a = ViewOf(rover, 0);
   for (std::size_t i = 0; i < a.points.size(); ++i) {
     if (!a.points[i]) continue;
-    const auto warp = GroundWarp(a.features.features, a.points, static_cast<int>(i), Rigid3(),
-                                 rover.rig.left.camera);
+    const auto ground = GroundAround(a.features.features, a.points, static_cast<int>(i), 0);
+    const auto warp = GroundWarp(ground.value(), Rigid3(), rover.rig.left.camera);
     if (!warp) continue;
-    EXPECT_LT((*warp - Eigen::Matrix2d::Identity()).norm(), 1e-6);
+    EXPECT_LT((warp->linear - Eigen::Matrix2d::Identity()).norm(), 1e-6);
+    EXPECT_LT(warp->bend.norm(), 1e-6);
   }
   const std::vector<std::optional<StereoPoint>> alone(a.points.size(), std::nullopt);
-  EXPECT_FALSE(GroundWarp(a.features.features, alone, 0, Rigid3(), rover.rig.left.camera));
+  EXPECT_FALSE(GroundAround(a.features.features, alone, 0, 0));
 }
 
 }  // namespace

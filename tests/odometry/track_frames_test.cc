@@ -111,6 +111,7 @@ TEST(TrackFrames, StepCovarianceIsAboutTheError) {
   OdometryOptions options;
   options.keypoint_noise_px = kPixelSigma * std::sqrt(2.0);
   options.disparity_noise_px = kPixelSigma * std::sqrt(2.0);
+  options.shared_noise = 1.0;
   double sum = 0.0;
   constexpr int kTrials = 60;
   for (unsigned seed = 1; seed <= kTrials; ++seed) {
