@@ -18,11 +18,17 @@ CalibrationVector PriorSigmas(const AdjustmentOptions& options) {
   return sigmas;
 }
 
-// Whether a parameter, all others held, moves by more than so many of its sigmas.
-bool Contradicts(const CalibrationEquations& equations, double sigmas) {
+// Whether a parameter, all others held, moves by more than so many of its sigmas, and by enough to
+// matter: over long paths the least noise that all frames share becomes significant.
+bool Contradicts(const CalibrationEquations& equations, const AdjustmentOptions& options) {
+  constexpr double kMattersPriorSigmas = 0.05;  // 0.005 degrees, 0.025 %, 0.05 px
+  const double sigmas = options.refine_sigmas * options.shared_noise;
+  const CalibrationVector prior = PriorSigmas(options);
   for (int i = 0; i < kCalibrationSize; ++i) {
     const double variance = std::max(equations.score_covariance(i, i), equations.information(i, i));
-    if (equations.score(i) * equations.score(i) > sigmas * sigmas * variance) return true;
+    const bool is_sure = equations.score(i) * equations.score(i) > sigmas * sigmas * variance;
+    const double step = equations.score(i) / equations.information(i, i);
+    if (is_sure && std::abs(step) > kMattersPriorSigmas * prior(i)) return true;
   }
   return false;
 }
@@ -94,8 +100,7 @@ std::optional<ProbableCorrection> BetterCorrection(const CalibrationVector& now,
                                                    const CalibrationEquations& equations,
                                                    const AdjustmentOptions& options) {
   if (options.refine_rig == "none") return std::nullopt;
-  if (options.refine_rig == "auto" && now.isZero() &&
-      !Contradicts(equations, options.refine_sigmas)) {
+  if (options.refine_rig == "auto" && now.isZero() && !Contradicts(equations, options)) {
     return std::nullopt;
   }
   // Directions that hardly show must not follow noise that is shared.
