@@ -47,8 +47,9 @@ class PartAdjuster {
           "odometry done anew with it");
     }
     const Gates failed = Judge(best);
-    if (AllPassed(failed)) return best;
-    AdjustedPart other = From({}, best.odometry, best.adjustment.rig_correction);
+    // With a corrected rig it has started from the odometry already.
+    if (AllPassed(failed) || best.adjustment.IsRigCorrected()) return best;
+    AdjustedPart other = From({}, part_.odometry, CalibrationVector::Zero());
     const bool is_better = AllPassed(Judge(other));
     const std::string remark =
         fmt::format("{}; adjusting from the odometric poses {}", FailureReason(failed),

@@ -41,8 +41,8 @@ struct PartToAdjust {
 
 // Adjusts from the mapped poses. Where the rig had to be corrected, the odometry is done anew with
 // the corrected rig and the adjustment starts from it, since steps that only the odometry knows
-// were measured with the wrong rig. Where a gate on the adjustment fails, it starts from the
-// odometry alone, and the better of the two is kept.
+// were measured with the wrong rig. Where a gate on an adjustment fails that started from mapped
+// poses, it starts from the odometry alone, which is kept if it passes.
 AdjustedPart AdjustPart(const PartToAdjust& part);
 
 }  // namespace rigmap

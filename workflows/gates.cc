@@ -5,26 +5,11 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <numbers>
 
 #include "core/statistics.h"
 
 namespace rigmap {
 namespace {
-
-constexpr double kDegrees = 180.0 / std::numbers::pi;
-
-// A gate that passes while its value is at most the limit.
-Gate AtMost(std::string name, std::optional<double> value, double limit, std::string why) {
-  return {std::move(name), value, limit, !value || *value <= limit, std::move(why)};
-}
-
-// Two gates on one thing, of which passing either will do.
-void AddEither(Gate a, Gate b, Gates& gates) {
-  a.passed = b.passed = a.passed || b.passed;
-  gates.push_back(std::move(a));
-  gates.push_back(std::move(b));
-}
 
 void JudgePrediction(const GateInputs& inputs, const GateOptions& options, Gates& gates) {
   std::size_t predicted = 0;
@@ -109,99 +94,17 @@ void JudgeMotion(const GateInputs& inputs, const GateOptions& options, Gates& ga
             gates);
 }
 
-double MedianDepth(const GateInputs& inputs) {
-  std::vector<double> depths;
-  for (const AdjustedPoint& point : inputs.adjustment.points) {
-    const auto& pose = inputs.adjustment.world_from_left[point.observations.front().frame];
-    depths.push_back((pose->Inverse() * point.x).z());
-  }
-  return depths.empty() ? 0.0 : Quantile(std::move(depths), 0.5);
-}
-
-// Median distance of the adjusted stereo pairs from their epipolar lines in the right image, by the
-// rig as it was corrected: what was found before was measured with the calibrated one.
-std::optional<double> EpipolarErrorPx(const Adjustment& adjustment) {
-  const StereoRig& rig = adjustment.rig;
-  const Eigen::Matrix3d essential =
-      Skew(rig.right_from_left.translation) * rig.right_from_left.rotation.toRotationMatrix();
-  std::vector<double> errors_px;
-  for (const AdjustedPoint& point : adjustment.points) {
-    for (std::size_t i = 0; i + 1 < point.observations.size(); ++i) {
-      const PointObservation &left = point.observations[i], &right = point.observations[i + 1];
-      if (left.frame != right.frame) continue;
-      const auto x = Undistort(rig.left.camera, left.pixel);
-      const auto y = Undistort(rig.right.camera, right.pixel);
-      if (!x || !y) continue;
-      const Eigen::Vector3d line = essential * x->homogeneous();
-      errors_px.push_back(rig.right.camera.MeanFocal() * std::abs(y->homogeneous().dot(line)) /
-                          line.head<2>().norm());
-    }
-  }
-  if (errors_px.empty()) return std::nullopt;
-  return Median(std::move(errors_px));
-}
-
-// A rig that the part corrected has to stay near its calibration.
-void JudgeCorrection(const GateInputs& inputs, const GateOptions& options, Gates& gates) {
-  std::optional<double> sigmas;
-  if (inputs.adjustment.IsRigCorrected()) {
-    sigmas = inputs.adjustment.rig_correction_sigmas.cwiseAbs().maxCoeff();
-  }
-  gates.push_back(AtMost("rig_refinement_sigmas", sigmas, options.rig_refinement_sigmas,
-                         "how far the rig was corrected, in sigmas of what a calibration errs by"));
-}
-
-// The sigma that may excuse a correction. One that has grown beyond the limit has not grown by the
-// noise of tracks, but by what a wrong rig leaves over.
-double Excusing(double sigma, double sigma_if_independent, double limit) {
-  return sigma <= limit ? sigma : sigma_if_independent;
-}
-
-void JudgeCalibration(const GateInputs& inputs, const GateOptions& options, Gates& gates) {
-  std::optional<double> turn_deg, turn_sigmas, focal_pct, focal_sigmas;
-  std::string turn_why = "the path cannot determine it", focal_why = turn_why;
-  const double depth_m = MedianDepth(inputs);
-  const double max_turn_rad =
-      depth_m > 0.0 ? options.max_depth_error_share * inputs.rig.Baseline() / depth_m : 1.0;
-  const auto step = inputs.adjustment.calibration
-                        ? RotationAndFocalStep(*inputs.adjustment.calibration)
-                        : std::nullopt;
-  if (step) {
-    // A correction that the path cannot tell to the limit says nothing.
-    if (step->rig_rotation_sigma_if_independent.maxCoeff() < max_turn_rad) {
-      turn_deg = kDegrees * step->rig_rotation.norm();
-      turn_sigmas = 0.0;
-      for (int axis = 0; axis < 3; ++axis) {
-        const double sigma = Excusing(step->rig_rotation_sigma(axis),
-                                      step->rig_rotation_sigma_if_independent(axis), max_turn_rad);
-        turn_sigmas = std::max(*turn_sigmas, std::abs(step->rig_rotation(axis)) / sigma);
-      }
-      turn_why = fmt::format(
-          "the images would turn the right camera by {:.4f} {:.4f} {:.4f} degrees about its x y z",
-          kDegrees * step->rig_rotation.x(), kDegrees * step->rig_rotation.y(),
-          kDegrees * step->rig_rotation.z());
-    }
-    const double max_log_focal = options.intrinsics_consistency_pct / 100.0;
-    if (step->log_focal_sigma_if_independent < max_log_focal) {
-      focal_pct = 100.0 * std::abs(step->log_focal);
-      focal_sigmas =
-          std::abs(step->log_focal) /
-          Excusing(step->log_focal_sigma, step->log_focal_sigma_if_independent, max_log_focal);
-      focal_why = fmt::format("the images would change the focal lengths by {:+.3f} %",
-                              100.0 * step->log_focal);
-    }
-  }
-  AddEither(AtMost("rig_consistency_deg", turn_deg, kDegrees * max_turn_rad, turn_why),
-            AtMost("rig_consistency_sigmas", turn_sigmas, options.consistency_sigmas, turn_why),
-            gates);
-  AddEither(
-      AtMost("intrinsics_consistency_pct", focal_pct, options.intrinsics_consistency_pct,
-             focal_why),
-      AtMost("intrinsics_consistency_sigmas", focal_sigmas, options.consistency_sigmas, focal_why),
-      gates);
-}
-
 }  // namespace
+
+Gate AtMost(std::string name, std::optional<double> value, double limit, std::string why) {
+  return {std::move(name), value, limit, !value || *value <= limit, std::move(why)};
+}
+
+void AddEither(Gate a, Gate b, Gates& gates) {
+  a.passed = b.passed = a.passed || b.passed;
+  gates.push_back(std::move(a));
+  gates.push_back(std::move(b));
+}
 
 OptionFields GateOptions::Fields() {
   return {{"baseline_spread", &baseline_spread},
@@ -279,16 +182,8 @@ Gates JudgePart(const GateInputs& inputs, const GateOptions& options) {
   JudgeSigmas(inputs, options, gates);
   const Gates adjusted = JudgeAdjustment(inputs, options);
   gates.insert(gates.end(), adjusted.begin(), adjusted.end());
-  std::optional<double> epipolar;
-  if (inputs.adjustment.IsRigCorrected()) {
-    epipolar = EpipolarErrorPx(inputs.adjustment);
-  } else if (!inputs.epipolar_px.empty()) {
-    epipolar = Quantile(inputs.epipolar_px, 0.5);
-  }
-  gates.push_back(AtMost("epipolar_px", epipolar, options.epipolar_px,
-                         "median distance of stereo matches from their epipolar line"));
-  JudgeCorrection(inputs, options, gates);
-  JudgeCalibration(inputs, options, gates);
+  const Gates calibration = JudgeCalibration(inputs, options);
+  gates.insert(gates.end(), calibration.begin(), calibration.end());
   return gates;
 }
 

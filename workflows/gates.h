@@ -67,8 +67,17 @@ struct GateInputs {
 Gates JudgeMapping(const PlacedKeyframes* placed, const GateOptions& options);
 bool AllPassed(const Gates& gates);
 
+// A gate that passes while its value is at most the limit.
+Gate AtMost(std::string name, std::optional<double> value, double limit, std::string why);
+// Adds two gates on one thing, of which passing either will do.
+void AddEither(Gate a, Gate b, Gates& gates);
+
 // The gates on what the adjustment made of it: motion_agreement, reprojection_px, outlier_share.
 Gates JudgeAdjustment(const GateInputs& inputs, const GateOptions& options);
+
+// The gates on the calibration: epipolar_px, rig_refinement_sigmas, rig_consistency,
+// intrinsics_consistency.
+Gates JudgeCalibration(const GateInputs& inputs, const GateOptions& options);
 
 // All gates but depth_bias_px.
 Gates JudgePart(const GateInputs& inputs, const GateOptions& options);

@@ -6,9 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <deque>
 
-#include "adjustment/free_adjustment.h"
 #include "core/error.h"
 #include "core/progress.h"
 #include "core/statistics.h"
@@ -18,6 +16,7 @@
 #include "matching/match_frames.h"
 #include "odometry/track_frames.h"
 #include "workflows/gates.h"
+#include "workflows/map_part.h"
 #include "workflows/part_trajectory.h"
 #include "workflows/sparse_output.h"
 #include "workflows/trajectory_output.h"
@@ -99,7 +98,9 @@ FeatureIndex PartStages::ExtractAll(const Dataset& dataset, const std::string& o
     index.unreadable_images.insert(index.unreadable_images.end(), unreadable[i].begin(),
                                    unreadable[i].end());
   }
-  index.rig_fixed = FindRigFixed(dataset, index);
+  index.rig_fixed = FindRigFixed(
+      static_cast<int>(dataset.frames.size()),
+      [&](int frame) { return LoadFeatures(dataset, index, frame); }, dataset.rig.left.camera);
   return index;
 }
 
@@ -116,24 +117,6 @@ FrameFeatures PartStages::LoadFeatures(const Dataset& dataset, const FeatureInde
   }
   index.rig_fixed.RemoveFrom(*features);
   return std::move(*features);
-}
-
-// From each frame to the next and, where the rover crawls, to the third.
-RigFixedCells PartStages::FindRigFixed(const Dataset& dataset, const FeatureIndex& index) const {
-  constexpr std::size_t kFurthest = 3;
-  const Camera& camera = dataset.rig.left.camera;
-  RigFixedVotes votes(camera.width, camera.height);
-  std::deque<FrameFeatures> last;
-  for (int frame = 0; frame < static_cast<int>(dataset.frames.size()); ++frame) {
-    FrameFeatures features = LoadFeatures(dataset, index, frame);
-    if (!last.empty()) votes.Compare(last.back(), features);
-    if (last.size() == kFurthest) {
-      votes.Compare(last.front(), features);
-      last.pop_front();
-    }
-    last.push_back(std::move(features));
-  }
-  return votes.Decide();
 }
 
 Odometry PartStages::Track(const Dataset& dataset, const FeatureIndex& features) const {
@@ -197,7 +180,7 @@ MappingResult PartStages::Map(const Dataset& dataset, const Odometry& odometry,
     const GraphWithPoses input{graph, matches, dataset.rig, KeyframePoses(odometry, graph)};
     const MappingPaths paths{layout.Database(), layout.Images(), layout.Models(), layout.Scratch(),
                              layout.Log("mapping")};
-    MappingResult mapped = MapTheNextBestWay(input, paths);
+    MappingResult mapped = MapPart(colmap_, input, paths, request_.options, request_.threads);
     fs::remove_all(layout.Scratch());
     return mapped;
   };
@@ -210,48 +193,6 @@ MappingResult PartStages::Map(const Dataset& dataset, const Odometry& odometry,
       .report = [&](const MappingResult& mapped) { summary_.SetMapping(mapped); },
       .published = {layout.Models()},
   });
-}
-
-// As the options say; where that fails a gate, triangulated on the odometric poses.
-MappingResult PartStages::MapTheNextBestWay(const GraphWithPoses& input,
-                                            const MappingPaths& paths) const {
-  const PartOptions& options = request_.options;
-  const auto map = [&](const std::string& method, const fs::path& models) {
-    MappingOptions how = options.mapping;
-    how.method = method;
-    MappingPaths where = paths;
-    where.models = models;
-    MappingResult mapped = MapKeyframes(colmap_, input, where, how, request_.threads);
-    // Poses of the odometry agree with the rig whatever the images say: let these speak.
-    if (mapped.method == "triangulate") {
-      for (SparseModel& model : mapped.models) {
-        model = AdjustFreely(model, input.rig, options.matching.min_inliers, {});
-      }
-    }
-    return mapped;
-  };
-  const auto judge = [&](const MappingResult& mapped) {
-    const PlacedKeyframes placed =
-        PlaceModels(mapped.models, input.world_from_left, input.rig, options.scale);
-    return JudgeMapping(&placed, options.gates);
-  };
-  MappingResult first = map(options.mapping.method, paths.models);
-  const Gates gates = judge(first);
-  if (first.method != "seeded" || AllPassed(gates)) return first;
-  const std::string reason = FailureReason(gates);
-  spdlog::warn("{}; triangulating the odometric poses instead", reason);
-  const fs::path aside = paths.scratch / "other-models";
-  MappingResult second = map("triangulate", aside);
-  if (!AllPassed(judge(second))) {
-    first.remarks.push_back(
-        fmt::format("{}; triangulating the odometric poses instead did not mend it", reason));
-    return first;
-  }
-  fs::remove_all(paths.models);
-  fs::rename(aside, paths.models);
-  second.remarks.push_back(
-      fmt::format("{}, so the odometric poses were triangulated instead", reason));
-  return second;
 }
 
 PlacedKeyframes PartStages::Scale(const Dataset& dataset, const Odometry& odometry,
@@ -286,7 +227,8 @@ AdjustedPart PartStages::Adjust(const Dataset& dataset, const FeatureIndex& feat
     summary_.SetTrajectory(part.trajectory, part.world_up);
     summary_.SetRig(dataset.rig, part.adjustment.rig);
     summary_.AddRemarks(part.remarks);
-    const PlacedKeyframes* mapped = placed.models.empty() ? nullptr : &placed;
+    const bool was_mapped = graph.keyframes.size() >= kMinMappedKeyframes;
+    const PlacedKeyframes* mapped = was_mapped ? &placed : nullptr;
     summary_.AddGates(JudgePart({dataset.rig, part.odometry, part.adjustment, part.trajectory,
                                  mapped, features.epipolar_px},
                                 request_.options.gates));

@@ -84,8 +84,6 @@ class PartStages {
 
  private:
   FrameFeatures LoadFeatures(const Dataset& dataset, const FeatureIndex& index, int frame) const;
-  RigFixedCells FindRigFixed(const Dataset& dataset, const FeatureIndex& index) const;
-  MappingResult MapTheNextBestWay(const GraphWithPoses& input, const MappingPaths& paths) const;
   FeatureIndex ExtractAll(const Dataset& dataset, const std::string& options) const;
   DepthIndex MatchAllDense(const Dataset& dataset, const AdjustedPart& part,
                            const std::vector<int>& frames, const std::string& options) const;

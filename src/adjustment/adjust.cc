@@ -8,7 +8,6 @@
 #include <limits>
 
 #include "adjustment/bundle.h"
-#include "adjustment/reprojection.h"
 #include "core/statistics.h"
 #include "correspondence/tracks.h"
 
@@ -16,19 +15,6 @@ namespace rigmap {
 namespace {
 
 constexpr int kMinFrameObservations = 10;
-
-std::vector<double> ErrorsPx(const std::vector<AdjustedPoint>& points,
-                             const std::vector<std::optional<Rigid3>>& left_from_world,
-                             const StereoRig& rig) {
-  std::vector<double> errors;
-  for (const AdjustedPoint& point : points) {
-    for (const PointObservation& o : point.observations) {
-      const auto at = Reproject(rig, o.eye, *left_from_world[o.frame], point.x);
-      errors.push_back(at ? (at->pixel - o.pixel).norm() : std::numeric_limits<double>::infinity());
-    }
-  }
-  return errors;
-}
 
 // Robust sigma of one coordinate from distances: the median of a Rayleigh distribution is 1.1774
 // of its sigma. Most observations have fewer degrees of freedom than coordinates, so that
@@ -87,9 +73,9 @@ class Adjuster {
     AdjustmentOptions options = options_;
     options.function_tolerance = function_tolerance;
     SolveBundle(noise_px_, options, bundle_);
-    const auto errors = ErrorsPx(bundle_.points, bundle_.left_from_world, bundle_.rig);
+    const auto errors = ErrorsPx(bundle_);
     noise_px_ = NoisePx(errors, Redundancy(), options_.min_noise_px);
-    Cull(errors);
+    DropBeyond(options_.outlier_sigmas * noise_px_, errors, bundle_);
     DropThinFrames();
     spdlog::info("noise {:.3f} px, {} points, {} of {} observations dropped", noise_px_,
                  bundle_.points.size(), errors.size() - ObservationCount(bundle_.points),
@@ -148,23 +134,12 @@ class Adjuster {
     return 1.0 - unknowns / std::max(coordinates, 1.0);
   }
 
-  // Drops observations beyond the limit, then points that fewer than two frames still show.
-  void Cull(const std::vector<double>& errors_px) {
-    const double limit_px = options_.outlier_sigmas * noise_px_;
-    std::size_t next = 0;
-    for (AdjustedPoint& point : bundle_.points) {
-      std::erase_if(point.observations,
-                    [&](const PointObservation&) { return !(errors_px[next++] <= limit_px); });
-    }
-    std::erase_if(bundle_.points, [](const AdjustedPoint& point) { return !SpansFrames(point); });
-  }
-
   // A frame with hardly an observation would float; its observations go with it, which may leave
   // others with too few.
   void DropThinFrames() {
     for (bool dropped = true; dropped;) {
       dropped = false;
-      const std::vector<int> counts = ObservationsPerFrame();
+      const std::vector<int> counts = ObservationsPerFrame(bundle_);
       for (std::size_t i = 0; i < counts.size(); ++i) {
         if (!bundle_.left_from_world[i] || counts[i] >= kMinFrameObservations) continue;
         bundle_.left_from_world[i].reset();
@@ -176,14 +151,6 @@ class Adjuster {
       }
       std::erase_if(bundle_.points, [](const AdjustedPoint& point) { return !SpansFrames(point); });
     }
-  }
-
-  std::vector<int> ObservationsPerFrame() const {
-    std::vector<int> counts(bundle_.left_from_world.size(), 0);
-    for (const AdjustedPoint& point : bundle_.points) {
-      for (const PointObservation& observation : point.observations) ++counts[observation.frame];
-    }
-    return counts;
   }
 
   // Sigmas grown along and about the left camera's axes, correlations kept.
@@ -207,8 +174,8 @@ class Adjuster {
 
   Adjustment Result(CameraSystemResult system) {
     Adjustment result;
-    result.observation_counts = ObservationsPerFrame();
-    const auto errors = ErrorsPx(bundle_.points, bundle_.left_from_world, bundle_.rig);
+    result.observation_counts = ObservationsPerFrame(bundle_);
+    const auto errors = ErrorsPx(bundle_);
     result.reprojection_px = errors.empty() ? 0.0 : Median(errors);
     result.noise_px = noise_px_;
     const std::size_t all =

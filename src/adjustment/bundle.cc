@@ -4,7 +4,10 @@
 #include <glog/logging.h>
 #include <spdlog/spdlog.h>
 
+#include <limits>
+
 #include "adjustment/anchor_frames.h"
+#include "adjustment/reprojection.h"
 #include "adjustment/reprojection_cost.h"
 
 namespace rigmap {
@@ -87,6 +90,34 @@ class BundleProblem {
 
 void SolveBundle(double noise_px, const AdjustmentOptions& options, Bundle& bundle) {
   BundleProblem(bundle, options.huber_sigmas * noise_px).Solve(options);
+}
+
+std::vector<double> ErrorsPx(const Bundle& bundle) {
+  std::vector<double> errors;
+  for (const AdjustedPoint& point : bundle.points) {
+    for (const PointObservation& o : point.observations) {
+      const auto at = Reproject(bundle.rig, o.eye, *bundle.left_from_world[o.frame], point.x);
+      errors.push_back(at ? (at->pixel - o.pixel).norm() : std::numeric_limits<double>::infinity());
+    }
+  }
+  return errors;
+}
+
+void DropBeyond(double limit_px, const std::vector<double>& errors_px, Bundle& bundle) {
+  std::size_t next = 0;
+  for (AdjustedPoint& point : bundle.points) {
+    std::erase_if(point.observations,
+                  [&](const PointObservation&) { return !(errors_px[next++] <= limit_px); });
+  }
+  std::erase_if(bundle.points, [](const AdjustedPoint& point) { return !SpansFrames(point); });
+}
+
+std::vector<int> ObservationsPerFrame(const Bundle& bundle) {
+  std::vector<int> counts(bundle.left_from_world.size(), 0);
+  for (const AdjustedPoint& point : bundle.points) {
+    for (const PointObservation& observation : point.observations) ++counts[observation.frame];
+  }
+  return counts;
 }
 
 }  // namespace rigmap

@@ -5,7 +5,6 @@
 #include <set>
 
 #include "adjustment/bundle.h"
-#include "adjustment/reprojection.h"
 #include "core/statistics.h"
 #include "scene/keyframe_graph.h"
 
@@ -36,36 +35,6 @@ Bundle FreeBundle(const SparseModel& model, const StereoRig& rig) {
               [](const auto& a, const auto& b) { return a.frame < b.frame; });
   }
   return bundle;
-}
-
-double ErrorPx(const Bundle& bundle, const AdjustedPoint& point, const PointObservation& o) {
-  const auto at = Reproject(bundle.rig, o.eye, *bundle.left_from_world[o.frame], point.x);
-  return at ? (at->pixel - o.pixel).norm() : std::numeric_limits<double>::infinity();
-}
-
-double NoisePx(const Bundle& bundle, const AdjustmentOptions& options) {
-  std::vector<double> errors;
-  for (const AdjustedPoint& point : bundle.points) {
-    for (const auto& o : point.observations) errors.push_back(ErrorPx(bundle, point, o));
-  }
-  return errors.empty() ? 1.0 : std::max(options.min_noise_px, Median(std::move(errors)));
-}
-
-void DropOutliers(double limit_px, Bundle& bundle) {
-  for (AdjustedPoint& point : bundle.points) {
-    std::erase_if(point.observations, [&](const PointObservation& o) {
-      return !(ErrorPx(bundle, point, o) <= limit_px);
-    });
-  }
-  std::erase_if(bundle.points, [](const AdjustedPoint& point) { return !SpansFrames(point); });
-}
-
-std::vector<int> ObservationCounts(const Bundle& bundle) {
-  std::vector<int> counts(bundle.left_from_world.size(), 0);
-  for (const AdjustedPoint& point : bundle.points) {
-    for (const PointObservation& o : point.observations) ++counts[o.frame];
-  }
-  return counts;
 }
 
 // Keyframes of which both images are there and show enough.
@@ -115,12 +84,14 @@ SparseModel AdjustFreely(const SparseModel& model, const StereoRig& rig, int min
   Bundle bundle = FreeBundle(model, rig);
   // Rough first, since the poses it starts from are not good to a pixel.
   for (const bool last : {false, true}) {
-    const double noise_px = NoisePx(bundle, options);
-    if (last) DropOutliers(options.outlier_sigmas * noise_px, bundle);
-    if (bundle.points.empty()) break;
-    SolveBundle(noise_px, options, bundle);
+    const std::vector<double> errors = ErrorsPx(bundle);
+    if (errors.empty()) break;
+    const double noise_px = std::max(options.min_noise_px, Median(errors));
+    if (last) DropBeyond(options.outlier_sigmas * noise_px, errors, bundle);
+    if (!bundle.points.empty()) SolveBundle(noise_px, options, bundle);
   }
-  return ModelOf(model, bundle, SoundKeyframes(model, ObservationCounts(bundle), min_observations));
+  return ModelOf(model, bundle,
+                 SoundKeyframes(model, ObservationsPerFrame(bundle), min_observations));
 }
 
 }  // namespace rigmap

@@ -1,6 +1,7 @@
 #include "features/rig_fixed.h"
 
 #include <algorithm>
+#include <deque>
 #include <optional>
 
 #include "core/statistics.h"
@@ -104,6 +105,23 @@ RigFixedCells RigFixedVotes::Decide() const {
     cells.fixed[i] = for_[i] >= kMinVotes && for_[i] >= against_[i] ? 1 : 0;
   }
   return cells;
+}
+
+RigFixedCells FindRigFixed(int frame_count, const std::function<FrameFeatures(int frame)>& features,
+                           const Camera& left) {
+  constexpr std::size_t kFurthest = 3;
+  RigFixedVotes votes(left.width, left.height);
+  std::deque<FrameFeatures> last;
+  for (int frame = 0; frame < frame_count; ++frame) {
+    FrameFeatures current = features(frame);
+    if (!last.empty()) votes.Compare(last.back(), current);
+    if (last.size() == kFurthest) {
+      votes.Compare(last.front(), current);
+      last.pop_front();
+    }
+    last.push_back(std::move(current));
+  }
+  return votes.Decide();
 }
 
 }  // namespace rigmap

@@ -2,8 +2,10 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <vector>
 
+#include "geometry/camera.h"
 #include "geometry/serialize.h"
 #include "scene/features.h"
 
@@ -45,5 +47,10 @@ class RigFixedVotes {
   int width_px_;
   std::vector<int> for_, against_;
 };
+
+// The cells of a drive: every frame is compared with the next and, in case the rover crawls, with
+// the third after it. Holds four frames at a time.
+RigFixedCells FindRigFixed(int frame_count, const std::function<FrameFeatures(int frame)>& features,
+                           const Camera& left);
 
 }  // namespace rigmap

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "correspondence/sightings.h"
 #include "geometry/alignment.h"
 
 namespace rigmap {
@@ -71,23 +72,6 @@ std::optional<Rigid3> MotionOf(const std::vector<PointPair>& pairs,
 
 }  // namespace
 
-std::vector<PointSighting> Sightings(std::span<const FeatureMatch> matches,
-                                     const std::vector<std::optional<StereoPoint>>& of_a,
-                                     const std::vector<Feature>& in_b, const StereoRig& rig,
-                                     std::vector<FeatureMatch>& used) {
-  std::vector<PointSighting> sightings;
-  for (const FeatureMatch& match : matches) {
-    const auto& point = of_a[match.a];
-    const Feature& seen = in_b[match.b];
-    const auto left = Undistort(rig.left.camera, seen.left);
-    if (!point || !left) continue;
-    sightings.push_back({point->x_in_left, point->depth_sigma_m, *left,
-                         seen.right ? Undistort(rig.right.camera, *seen.right) : std::nullopt});
-    used.push_back(match);
-  }
-  return sightings;
-}
-
 std::vector<Rigid3> MotionsOfAgreeingMatches(std::span<const FeatureMatch> matches,
                                              const std::vector<std::optional<StereoPoint>>& of_a,
                                              const std::vector<std::optional<StereoPoint>>& of_b) {
@@ -118,15 +102,14 @@ std::optional<StereoPose> MotionWithoutPrediction(const PlaceView& a, const Plac
                                                   const MatchingOptions& options) {
   const auto matches = MatchFeatures(a.features, b.features, a.groups, b.groups, {});
   const auto guesses = MotionsOfAgreeingMatches(matches, a.points, b.points);
-  std::vector<FeatureMatch> used;
-  const auto sightings = Sightings(matches, a.points, b.features.features, rig, used);
+  const auto seen = SightingsOf(matches, a.points, b.features.features, rig);
   StereoPoseOptions pose_options;
   pose_options.noise_px = options.keypoint_noise_px;
   pose_options.max_sigmas = options.max_sigmas;
   pose_options.min_inliers = options.min_revisit_inliers;
   // Three points at random would hardly ever be three right ones.
   pose_options.max_samples = 0;
-  return EstimateStereoPose(sightings, rig, guesses, pose_options);
+  return EstimateStereoPose(seen.sightings, rig, guesses, pose_options);
 }
 
 }  // namespace rigmap

@@ -19,12 +19,6 @@ struct PlaceView {
   std::vector<int> groups;                         // of each feature: only equal ones may match
 };
 
-// Sightings in b of a's stereo points, for the matches that have one; `used` returns those.
-std::vector<PointSighting> Sightings(std::span<const FeatureMatch> matches,
-                                     const std::vector<std::optional<StereoPoint>>& of_a,
-                                     const std::vector<Feature>& in_b, const StereoRig& rig,
-                                     std::vector<FeatureMatch>& used);
-
 // Motions under which many points of a fall onto those of b that they match: distances between
 // points are the same in both frames whatever the motion, so that right matches agree with each
 // other pair by pair and wrong ones with hardly any. Best first, few. Cost: the square of the

@@ -6,9 +6,7 @@
 #include <cmath>
 
 #include "core/statistics.h"
-#include "correspondence/feature_matching.h"
-#include "correspondence/stereo_points.h"
-#include "correspondence/stereo_pose.h"
+#include "correspondence/sightings.h"
 #include "odometry/motion_model.h"
 
 namespace rigmap {
@@ -44,16 +42,6 @@ Reference MakeReference(int frame, FrameFeatures features, const StereoRig& rig,
   return reference;
 }
 
-std::vector<FeatureMatch> MatchNear(const Reference& reference, const FrameFeatures& current,
-                                    const StereoRig& rig, const Rigid3& predicted,
-                                    double radius_px) {
-  std::vector<std::optional<Eigen::Vector2d>> pixels;
-  for (const auto& point : reference.points) {
-    pixels.push_back(point ? Project(rig.left.camera, predicted * point->x_in_left) : std::nullopt);
-  }
-  return MatchFeatures(reference.features, current, pixels, radius_px, {});
-}
-
 double MedianShift(const Reference& reference, const FrameFeatures& current,
                    const std::vector<FeatureMatch>& matches) {
   std::vector<double> shifts;
@@ -67,37 +55,25 @@ double MedianShift(const Reference& reference, const FrameFeatures& current,
 std::optional<Found> Solve(const Reference& reference, const FrameFeatures& current,
                            const std::vector<FeatureMatch>& matches, const StereoRig& rig,
                            const Rigid3& predicted, const OdometryOptions& options) {
-  std::vector<PointSighting> sightings;
-  std::vector<FeatureMatch> used;
-  for (const FeatureMatch& match : matches) {
-    const auto& point = reference.points[match.a];
-    const Feature& seen = current.features[match.b];
-    const auto left = Undistort(rig.left.camera, seen.left);
-    if (!point || !left) continue;
-    const auto right = seen.right ? Undistort(rig.right.camera, *seen.right) : std::nullopt;
-    sightings.push_back({point->x_in_left, point->depth_sigma_m, *left, right});
-    used.push_back(match);
-  }
+  const auto seen = SightingsOf(matches, reference.points, current.features, rig);
   StereoPoseOptions pose_options;
   pose_options.noise_px = options.keypoint_noise_px;
   pose_options.max_sigmas = options.max_sigmas;
   pose_options.min_inliers = options.min_inliers;
   const std::array<Rigid3, 2> guesses{predicted, Rigid3()};
-  const auto pose = EstimateStereoPose(sightings, rig, guesses, pose_options);
+  const auto pose = EstimateStereoPose(seen.sightings, rig, guesses, pose_options);
   if (!pose) return std::nullopt;
-  std::vector<FeatureMatch> inliers;
-  for (std::size_t i = 0; i < used.size(); ++i) {
-    if (pose->inliers[i]) inliers.push_back(used[i]);
-  }
   return Found{pose->current_from_reference, pose->covariance, pose->inlier_count,
-               MedianShift(reference, current, inliers)};
+               MedianShift(reference, current, seen.Agreeing(*pose))};
 }
 
 // Near the prediction first; everywhere when that finds too few to be sure of.
 std::optional<Found> FindMotion(const Reference& reference, const FrameFeatures& current,
                                 const StereoRig& rig, const Rigid3& predicted,
                                 const OdometryOptions& options) {
-  const auto near = MatchNear(reference, current, rig, predicted, options.search_radius_px);
+  const auto near =
+      MatchFeatures(reference.features, current, PredictedPixels(reference.points, predicted, rig),
+                    options.search_radius_px, {});
   auto found = Solve(reference, current, near, rig, predicted, options);
   if (found && found->inliers >= kSureTimes * options.min_inliers) return found;
   const auto everywhere = MatchFeatures(reference.features, current, {});

@@ -135,4 +135,21 @@ float RockTone(const Eigen::Vector3d& place, float extent_m, float contrast, std
   return std::clamp(1.0f + contrast * tone, 0.2f, 1.8f);
 }
 
+Eigen::Vector3f SkyRadiance(const Eigen::Vector3f& direction, const Eigen::Vector3f& sun,
+                            std::uint32_t seed) {
+  const float up = std::max(direction.z(), 0.02f);
+  const double x = direction.x() / (up + 0.12f), y = direction.y() / (up + 0.12f);
+  const float clouds = GradientNoise(0.6 * x, 1.1 * y, seed).value +
+                       0.5f * GradientNoise(1.7 * x, 3.1 * y, seed + 1).value +
+                       0.25f * GradientNoise(5.0 * x, 8.0 * y, seed + 2).value;
+  const float haze = std::exp(-11.0f * up);
+  const Eigen::Vector3f blue(0.52f, 0.60f, 0.70f), grey(0.82f, 0.82f, 0.83f),
+      white(0.98f, 0.96f, 0.93f);
+  const float cover = std::clamp(0.5f + 1.1f * clouds, 0.0f, 1.0f);
+  Eigen::Vector3f sky = blue + cover * (grey - blue);
+  sky += haze * (white - sky);
+  const float glow = std::pow(std::max(0.0f, direction.dot(sun)), 24.0f);
+  return sky + 1.6f * glow * Eigen::Vector3f(1.0f, 0.95f, 0.85f);
+}
+
 }  // namespace rigmap

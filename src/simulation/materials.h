@@ -28,4 +28,9 @@ Look SeaLook(const Eigen::Vector2d& place, float extent_m, std::uint32_t seed);
 // What a painted boulder's or a piece of debris' own colour becomes: factor on its albedo.
 float RockTone(const Eigen::Vector3d& place, float extent_m, float contrast, std::uint32_t seed);
 
+// Light of the sky from a direction: overcast, brighter towards the horizon and around the sun.
+// Directions are unit vectors.
+Eigen::Vector3f SkyRadiance(const Eigen::Vector3f& direction, const Eigen::Vector3f& sun,
+                            std::uint32_t seed);
+
 }  // namespace rigmap

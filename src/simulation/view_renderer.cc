@@ -9,69 +9,21 @@
 
 #include "core/error.h"
 #include "simulation/materials.h"
-#include "simulation/noise.h"
+#include "simulation/pixel_footprint.h"
 #include "simulation/world_parts.h"
 
 namespace rigmap {
 namespace {
 
 using Colour = Eigen::Vector3f;
-using Steps = std::array<Eigen::Vector3f, 2>;
 
 // Light of the sun and of the sky on a surface that faces them, so that level sand under a sun of
 // 19 degrees comes to about 0.4 times 1.
 const Colour kSun(1.95f, 1.82f, 1.60f);
 const Colour kSky(0.50f, 0.53f, 0.57f);
-constexpr int kMostSamples = 4;    // along the longer axis of what a pixel covers
 constexpr float kLift_m = 0.003f;  // where rays towards the sun start
 constexpr float kSky_m = 1e6f;     // stands for the sky's distance
 constexpr std::uint32_t kNoThing = 0xFFFFFFFFu, kFirstBody = 0xFFFFFFF0u;
-
-// Overcast above, brighter towards the horizon and around the sun.
-Colour SkyColour(const Eigen::Vector3f& direction, const Eigen::Vector3f& sun, std::uint32_t seed) {
-  const float up = std::max(direction.z(), 0.02f);
-  const double x = direction.x() / (up + 0.12f), y = direction.y() / (up + 0.12f);
-  const float clouds = GradientNoise(0.6 * x, 1.1 * y, seed).value +
-                       0.5f * GradientNoise(1.7 * x, 3.1 * y, seed + 1).value +
-                       0.25f * GradientNoise(5.0 * x, 8.0 * y, seed + 2).value;
-  const float haze = std::exp(-11.0f * up);
-  const Colour blue(0.52f, 0.60f, 0.70f), grey(0.82f, 0.82f, 0.83f), white(0.98f, 0.96f, 0.93f);
-  const float cover = std::clamp(0.5f + 1.1f * clouds, 0.0f, 1.0f);
-  Colour sky = blue + cover * (grey - blue);
-  sky += haze * (white - sky);
-  const float glow = std::pow(std::max(0.0f, direction.dot(sun)), 24.0f);
-  return sky + 1.6f * glow * Colour(1.0f, 0.95f, 0.85f);
-}
-
-// What a pixel covers on a surface: its longer axis, and the width across it.
-struct Footprint {
-  Eigen::Vector3f along = Eigen::Vector3f::Zero();
-  float along_m = 0.0f, across_m = 0.0f;
-
-  int Samples() const {
-    return std::clamp(static_cast<int>(along_m / (1.4f * across_m) + 0.5f), 1, kMostSamples);
-  }
-};
-
-Footprint Cover(const Eigen::Vector3f& direction, const Steps& steps, const Eigen::Vector3f& normal,
-                float distance_m) {
-  const float facing = std::min(normal.dot(direction), -0.03f);
-  std::array<Eigen::Vector3f, 2> spans;
-  for (int i = 0; i < 2; ++i) {
-    spans[i] = distance_m * (steps[i] - normal.dot(steps[i]) / facing * direction);
-  }
-  // Axes of the ellipse that the two spans make: half the angle whose double has this sine and
-  // cosine.
-  const float a = spans[0].squaredNorm(), b = spans[0].dot(spans[1]), c = spans[1].squaredNorm();
-  const float twice_cos = a - c, twice_sin = 2.0f * b;
-  const float length = std::max(std::sqrt(twice_cos * twice_cos + twice_sin * twice_sin), 1e-30f);
-  const float cosine = std::sqrt(std::max(0.0f, 0.5f + 0.5f * twice_cos / length)),
-              sine = std::copysign(std::sqrt(std::max(0.0f, 0.5f - 0.5f * twice_cos / length)),
-                                   twice_sin);
-  const Eigen::Vector3f major = cosine * spans[0] + sine * spans[1],
-                        minor = cosine * spans[1] - sine * spans[0];
-  return {major, major.norm(), std::max(minor.norm(), 1e-6f)};
-}
 
 }  // namespace
 
@@ -138,7 +90,7 @@ class ViewRenderer::View {
   }
 
   // From a pixel's ray to its neighbours' to the right and below.
-  Steps StepsAt(int column, int row) const {
+  RaySteps StepsAt(int column, int row) const {
     const Eigen::Vector3f& here = RayOf(column, row);
     return {rotation_ * (RayOf(column + 1, row) - here),
             rotation_ * (RayOf(column, row + 1) - here)};
@@ -156,7 +108,7 @@ class ViewRenderer::View {
   }
 
   Sample Look(const Eigen::Vector3f& direction, const std::optional<RayHit>& hit,
-              const Steps& steps) const {
+              const RaySteps& steps) const {
     float distance_m = hit ? hit->distance : kSky_m;
     std::optional<Sample> body;
     for (std::size_t i = 0; i < bodies_.size(); ++i) {
@@ -168,14 +120,14 @@ class ViewRenderer::View {
       }
     }
     if (body) return *body;
-    if (!hit) return {SkyColour(direction, sun_, seed_), 0.0f, kNoThing};
+    if (!hit) return {SkyRadiance(direction, sun_, seed_), 0.0f, kNoThing};
     Eigen::Vector3f normal = hit->normal.normalized();
     if (normal.dot(direction) > 0.0f) normal = -normal;
     const Eigen::Vector3f place = origin_ + distance_m * direction;
     const bool is_sand = hit->geometry == parts_.sand_geometry;
     // The mean slope is what a pixel of sand covers; single facets would make it flicker.
-    const Footprint cover =
-        Cover(direction, steps, is_sand ? Eigen::Vector3f::UnitZ().eval() : normal, distance_m);
+    const PixelFootprint cover = FootprintOn(
+        direction, steps, is_sand ? Eigen::Vector3f::UnitZ().eval() : normal, distance_m);
     const Colour lit = is_sand ? OnSand(*hit, place, cover) : OnSolid(*hit, place, cover);
     return {InHaze(lit, distance_m), 1.0f / distance_m, ThingAt(*hit)};
   }
@@ -203,7 +155,8 @@ class ViewRenderer::View {
     return look.albedo.cwiseProduct(sun * kSun + sky * kSky);
   }
 
-  Colour OnSand(const RayHit& hit, const Eigen::Vector3f& place, const Footprint& cover) const {
+  Colour OnSand(const RayHit& hit, const Eigen::Vector3f& place,
+                const PixelFootprint& cover) const {
     const int samples = cover.Samples();
     const float extent_m = std::max(cover.across_m, cover.along_m / static_cast<float>(samples));
     const bool is_dune = place.x() > Terrain::kHinterland_m;
@@ -220,7 +173,8 @@ class ViewRenderer::View {
     return sum / static_cast<float>(samples);
   }
 
-  Colour OnSolid(const RayHit& hit, const Eigen::Vector3f& place, const Footprint& cover) const {
+  Colour OnSolid(const RayHit& hit, const Eigen::Vector3f& place,
+                 const PixelFootprint& cover) const {
     const LitMesh& solid = *parts_.SolidOf(hit.geometry);
     const auto& [a, b, c] = solid.mesh.triangles[hit.facet];
     const float u = hit.u, v = hit.v, w = 1.0f - u - v;

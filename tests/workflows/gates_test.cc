@@ -136,6 +136,13 @@ TEST_F(GatesTest, RegisteredShareIsALowerLimit) {
   EXPECT_FALSE(Judge("registered").passed);
 }
 
+TEST_F(GatesTest, MapOfNoModelHasRegisteredNone) {
+  placed_.models.clear();
+  for (auto& pose : placed_.world_from_left) pose.reset();
+  EXPECT_EQ(Judge("registered").value, 0.0);
+  EXPECT_FALSE(Judge("registered").passed);
+}
+
 TEST_F(GatesTest, PredictedShareCountsFramesThatNothingMeasured) {
   // Of twelve frames two are 0.17, three 0.25; one that was adjusted after all is measured.
   for (const int i : {4, 5, 6, 7}) odometry_[i].source = PoseSource::kPredicted;

@@ -1,0 +1,122 @@
+// The gates that ask whether the images and the rig's calibration contradict each other.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "core/statistics.h"
+#include "features/stereo_partners.h"
+#include "workflows/gates.h"
+
+namespace rigmap {
+namespace {
+
+constexpr double kDegrees = 180.0 / std::numbers::pi;
+
+double MedianDepth(const GateInputs& inputs) {
+  std::vector<double> depths;
+  for (const AdjustedPoint& point : inputs.adjustment.points) {
+    const auto& pose = inputs.adjustment.world_from_left[point.observations.front().frame];
+    depths.push_back((pose->Inverse() * point.x).z());
+  }
+  return depths.empty() ? 0.0 : Quantile(std::move(depths), 0.5);
+}
+
+// By the rig as it was corrected: what was found before was measured with the calibrated one.
+std::optional<double> CorrectedEpipolarPx(const Adjustment& adjustment) {
+  std::vector<double> errors_px;
+  for (const AdjustedPoint& point : adjustment.points) {
+    for (std::size_t i = 0; i + 1 < point.observations.size(); ++i) {
+      const PointObservation &left = point.observations[i], &right = point.observations[i + 1];
+      if (left.frame != right.frame) continue;
+      const auto error = EpipolarErrorPx(adjustment.rig, left.pixel, right.pixel);
+      if (error) errors_px.push_back(*error);
+    }
+  }
+  if (errors_px.empty()) return std::nullopt;
+  return MedianAbsolute(std::move(errors_px));
+}
+
+void JudgeEpipolar(const GateInputs& inputs, const GateOptions& options, Gates& gates) {
+  std::optional<double> epipolar_px;
+  if (inputs.adjustment.IsRigCorrected()) {
+    epipolar_px = CorrectedEpipolarPx(inputs.adjustment);
+  } else if (!inputs.epipolar_px.empty()) {
+    epipolar_px = Median(inputs.epipolar_px);
+  }
+  gates.push_back(AtMost("epipolar_px", epipolar_px, options.epipolar_px,
+                         "median distance of stereo matches from their epipolar line"));
+}
+
+// A rig that the part corrected has to stay near its calibration.
+void JudgeCorrection(const GateInputs& inputs, const GateOptions& options, Gates& gates) {
+  std::optional<double> sigmas;
+  if (inputs.adjustment.IsRigCorrected()) {
+    sigmas = inputs.adjustment.rig_correction_sigmas.cwiseAbs().maxCoeff();
+  }
+  gates.push_back(AtMost("rig_refinement_sigmas", sigmas, options.rig_refinement_sigmas,
+                         "how far the rig was corrected, in sigmas of what a calibration errs by"));
+}
+
+// The sigma that may excuse a correction. One that has grown beyond the limit has not grown by the
+// noise of tracks, but by what a wrong rig leaves over.
+double Excusing(double sigma, double sigma_if_independent, double limit) {
+  return sigma <= limit ? sigma : sigma_if_independent;
+}
+
+void JudgeConsistency(const GateInputs& inputs, const GateOptions& options, Gates& gates) {
+  std::optional<double> turn_deg, turn_sigmas, focal_pct, focal_sigmas;
+  std::string turn_why = "the path cannot determine it", focal_why = turn_why;
+  const double depth_m = MedianDepth(inputs);
+  const double max_turn_rad =
+      depth_m > 0.0 ? options.max_depth_error_share * inputs.rig.Baseline() / depth_m : 1.0;
+  const auto step = inputs.adjustment.calibration
+                        ? RotationAndFocalStep(*inputs.adjustment.calibration)
+                        : std::nullopt;
+  if (step) {
+    // A correction that the path cannot tell to the limit says nothing.
+    if (step->rig_rotation_sigma_if_independent.maxCoeff() < max_turn_rad) {
+      turn_deg = kDegrees * step->rig_rotation.norm();
+      turn_sigmas = 0.0;
+      for (int axis = 0; axis < 3; ++axis) {
+        const double sigma = Excusing(step->rig_rotation_sigma(axis),
+                                      step->rig_rotation_sigma_if_independent(axis), max_turn_rad);
+        turn_sigmas = std::max(*turn_sigmas, std::abs(step->rig_rotation(axis)) / sigma);
+      }
+      turn_why = fmt::format(
+          "the images would turn the right camera by {:.4f} {:.4f} {:.4f} degrees about its x y z",
+          kDegrees * step->rig_rotation.x(), kDegrees * step->rig_rotation.y(),
+          kDegrees * step->rig_rotation.z());
+    }
+    const double max_log_focal = options.intrinsics_consistency_pct / 100.0;
+    if (step->log_focal_sigma_if_independent < max_log_focal) {
+      focal_pct = 100.0 * std::abs(step->log_focal);
+      focal_sigmas =
+          std::abs(step->log_focal) /
+          Excusing(step->log_focal_sigma, step->log_focal_sigma_if_independent, max_log_focal);
+      focal_why = fmt::format("the images would change the focal lengths by {:+.3f} %",
+                              100.0 * step->log_focal);
+    }
+  }
+  AddEither(AtMost("rig_consistency_deg", turn_deg, kDegrees * max_turn_rad, turn_why),
+            AtMost("rig_consistency_sigmas", turn_sigmas, options.consistency_sigmas, turn_why),
+            gates);
+  AddEither(
+      AtMost("intrinsics_consistency_pct", focal_pct, options.intrinsics_consistency_pct,
+             focal_why),
+      AtMost("intrinsics_consistency_sigmas", focal_sigmas, options.consistency_sigmas, focal_why),
+      gates);
+}
+
+}  // namespace
+
+Gates JudgeCalibration(const GateInputs& inputs, const GateOptions& options) {
+  Gates gates;
+  JudgeEpipolar(inputs, options, gates);
+  JudgeCorrection(inputs, options, gates);
+  JudgeConsistency(inputs, options, gates);
+  return gates;
+}
+
+}  // namespace rigmap
