@@ -4,13 +4,11 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
-#include <cmath>
 #include <fstream>
 #include <optional>
 #include <string_view>
 
-#include "core/error.h"
+#include "dataset/text_row.h"
 
 namespace rigmap {
 namespace {
@@ -19,31 +17,12 @@ namespace {
 // row) down to a milliradian, short enough for the slope to stay the same at 0.5 m/s.
 constexpr StampNs kHalfWindowNs = 500'000'000;
 constexpr std::size_t kNumbersPerRow = 9;
-constexpr std::string_view kBlanks = " \t\r";
-
-// Cuts the next word off `line`; empty at its end.
-std::string_view NextWord(std::string_view& line) {
-  line.remove_prefix(std::min(line.find_first_not_of(kBlanks), line.size()));
-  const auto word = line.substr(0, line.find_first_of(kBlanks));
-  line.remove_prefix(word.size());
-  return word;
-}
-
-std::optional<double> ParseFinite(std::string_view word) {
-  double value = 0.0;
-  const char* end = word.data() + word.size();
-  const auto result = std::from_chars(word.data(), end, value);
-  const bool whole = !word.empty() && result.ec == std::errc() && result.ptr == end;
-  return whole && std::isfinite(value) ? std::optional(value) : std::nullopt;
-}
 
 std::optional<InclinometerSample> ParseRow(std::string_view line) {
+  const auto stamp_ns = ParseStamp(NextWord(line));
+  if (!stamp_ns) return std::nullopt;
   InclinometerSample sample;
-  try {
-    sample.stamp_ns = ParseKatwijkStamp(NextWord(line));
-  } catch (const DataError&) {
-    return std::nullopt;
-  }
+  sample.stamp_ns = *stamp_ns;
   std::array<double, kNumbersPerRow> numbers{};
   for (double& number : numbers) {
     const auto value = ParseFinite(NextWord(line));
@@ -85,7 +64,8 @@ InclinometerReading ReadInclinometer(const std::filesystem::path& imu_path,
   int line_number = 0, malformed = 0, first_malformed = 0;
   while (std::getline(stream, line)) {
     ++line_number;
-    if (line.find_first_not_of(kBlanks) == std::string::npos) continue;
+    std::string_view words = line;
+    if (NextWord(words).empty()) continue;
     if (const auto row = ParseRow(line)) {
       AddToFrames(*row, frames, sums);
     } else if (malformed++ == 0) {

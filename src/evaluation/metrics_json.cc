@@ -1,25 +1,14 @@
-#include <array>
-#include <charconv>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "evaluation/rounded.h"
 #include "evaluation/trajectory_metrics.h"
 
 namespace rigmap {
 namespace {
 
-// To the nearest number with so many decimals, judged on the exact binary value, ties to even.
-double Round(double value, int decimals) {
-  std::array<char, 400> text;  // the longest double has 309 digits before the point
-  const auto written = std::to_chars(text.data(), text.data() + text.size(), value,
-                                     std::chars_format::fixed, decimals);
-  double rounded = value;
-  std::from_chars(text.data(), written.ptr, rounded);
-  return rounded;
-}
-
 void Put(nlohmann::ordered_json& json, const char* key, std::optional<double> value, int decimals) {
-  if (value) json[key] = Round(*value, decimals);
+  if (value) json[key] = Rounded(*value, decimals);
 }
 
 void PutAligned(nlohmann::ordered_json& json, const AlignedError& aligned) {

@@ -4,59 +4,13 @@
 #include <cmath>
 #include <vector>
 
+#include "evaluation/matched_poses.h"
 #include "geometry/alignment.h"
 
 namespace rigmap {
 namespace {
 
 constexpr double kDegreesPerRadian = 57.295779513082320877;
-constexpr std::size_t kMinMatches = 3;  // fewer determine no alignment
-
-struct MatchedPoses {
-  std::vector<Rigid3> estimate, truth;  // in parallel
-
-  std::size_t size() const { return truth.size(); }
-};
-
-std::vector<TumPose> InOrderOfTime(std::span<const TumPose> poses) {
-  std::vector<TumPose> sorted(poses.begin(), poses.end());
-  std::stable_sort(sorted.begin(), sorted.end(),
-                   [](const TumPose& a, const TumPose& b) { return a.stamp_ns < b.stamp_ns; });
-  return sorted;
-}
-
-// Association is judged on seconds as double, as every reader of TUM files has them.
-double Seconds(const TumPose& pose) {
-  return static_cast<double>(static_cast<long double>(pose.stamp_ns) / 1e9L);
-}
-
-// The estimated pose nearest in time; of two equally near ones the later.
-const TumPose& Nearest(const std::vector<TumPose>& estimate, const TumPose& truth) {
-  const auto after =
-      std::lower_bound(estimate.begin(), estimate.end(), truth,
-                       [](const TumPose& a, const TumPose& b) { return Seconds(a) < Seconds(b); });
-  if (after == estimate.begin()) return estimate.front();
-  if (after == estimate.end()) return estimate.back();
-  const double t = Seconds(truth);
-  const bool before_is_nearer = std::abs(Seconds(*(after - 1)) - t) < std::abs(Seconds(*after) - t);
-  return before_is_nearer ? *(after - 1) : *after;
-}
-
-// Each true pose with the estimated one nearest in time, if near enough. An estimated pose may
-// serve several true ones.
-MatchedPoses Match(const std::vector<TumPose>& estimate, const std::vector<TumPose>& truth,
-                   double max_dt_s) {
-  MatchedPoses matched;
-  if (estimate.empty()) return matched;
-  for (const TumPose& true_pose : truth) {
-    const TumPose& nearest = Nearest(estimate, true_pose);
-    if (!(std::abs(Seconds(nearest) - Seconds(true_pose)) <= max_dt_s)) continue;
-    matched.estimate.push_back(nearest.world_from_body);
-    matched.truth.push_back(true_pose.world_from_body);
-  }
-  return matched;
-}
-
 // Summed in this order, so that segments end at the same pose as in the reference scorer.
 double Distance(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
   const Eigen::Vector3d d = b - a;
@@ -160,7 +114,8 @@ TrajectoryMetrics CompareTrajectories(std::span<const TumPose> estimate,
   options.Validate();
   const std::vector<TumPose> sorted_estimate = InOrderOfTime(estimate);
   const std::vector<TumPose> sorted_truth = InOrderOfTime(truth);
-  const MatchedPoses matched = Match(sorted_estimate, sorted_truth, options.max_dt_s);
+  const MatchedPoses matched =
+      MatchPoses(sorted_estimate, sorted_truth, options.max_dt_s, Tie::kLater);
   TrajectoryMetrics metrics;
   metrics.frames = estimate.size();
   metrics.true_frames = truth.size();

@@ -4,16 +4,11 @@
 
 #include <algorithm>
 #include <bit>
-#include <cerrno>
-#include <cstring>
-#include <fstream>
-#include <limits>
 #include <ostream>
 #include <string>
 #include <type_traits>
 
 #include "core/error.h"
-#include "export/ply_header.h"
 
 namespace rigmap {
 namespace {
@@ -65,44 +60,6 @@ void RequireWritten(const std::ostream& stream) {
   if (!stream) throw DataError("cannot write a point cloud: the stream failed");
 }
 
-template <class Integer>
-Integer Clamped(double value) {
-  return static_cast<Integer>(
-      value > 0.0 ? std::min<double>(value, std::numeric_limits<Integer>::max()) : 0.0);
-}
-
-// Which of a file's properties belong to a surface point.
-struct SurfaceProperties {
-  std::array<const PlyProperty*, 3> x, normal, rgb;
-  const PlyProperty* observations;
-  const PlyProperty* sigma;
-
-  SurfaceProperties(const PlyHeader& header, const std::string& file)
-      : x{header.Find("x"), header.Find("y"), header.Find("z")},
-        normal{header.Find("nx"), header.Find("ny"), header.Find("nz")},
-        rgb{header.Find("red"), header.Find("green"), header.Find("blue")},
-        observations(header.Find("observations")),
-        sigma(header.Find("sigma")) {
-    if (!x[0] || !x[1] || !x[2]) {
-      throw DataError(fmt::format("{}: expected vertices with x, y and z, found none", file));
-    }
-  }
-
-  SurfacePoint Point(const char* row) const {
-    SurfacePoint point;
-    for (int i = 0; i < 3; ++i) {
-      point.x_in_world(i) = static_cast<float>(PlyValue(*x[i], row));
-      if (normal[i]) point.normal(i) = static_cast<float>(PlyValue(*normal[i], row));
-      if (rgb[i]) point.rgb[i] = Clamped<std::uint8_t>(PlyValue(*rgb[i], row));
-    }
-    if (observations) {
-      point.observations = Clamped<std::uint16_t>(PlyValue(*observations, row));
-    }
-    if (sigma) point.sigma_m = static_cast<float>(PlyValue(*sigma, row));
-    return point;
-  }
-};
-
 }  // namespace
 
 PlyWriter::PlyWriter(std::ostream& stream) : stream_(stream), start_(stream.tellp()) {
@@ -138,28 +95,6 @@ void WriteSparsePly(std::ostream& stream, const std::vector<SparsePoint>& points
   }
   stream.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
   RequireWritten(stream);
-}
-
-PointCloud ReadPly(const std::filesystem::path& path) {
-  std::ifstream stream(path, std::ios::binary);
-  if (!stream || std::filesystem::is_directory(path)) {
-    throw DataError(fmt::format("{}: cannot read: {}", path.string(), std::strerror(errno)));
-  }
-  const PlyHeader header = ReadPlyHeader(stream, path.string());
-  const SurfaceProperties properties(header, path.string());
-  const auto bytes_left = std::filesystem::file_size(path) - stream.tellg();
-  if (bytes_left / header.row_bytes < header.vertex_count) {
-    throw DataError(fmt::format("{}: expected {} vertices of {} bytes, found {} bytes",
-                                path.string(), header.vertex_count, header.row_bytes, bytes_left));
-  }
-  PointCloud cloud(header.vertex_count);
-  std::vector<char> row(header.row_bytes);
-  for (SurfacePoint& point : cloud) {
-    stream.read(row.data(), static_cast<std::streamsize>(row.size()));
-    point = properties.Point(row.data());
-  }
-  if (!stream) throw DataError(fmt::format("{}: cannot read its vertices", path.string()));
-  return cloud;
 }
 
 }  // namespace rigmap

@@ -1,11 +1,10 @@
-// The metrics against a scorer that was written apart from this project. It lies beside the test
-// data and needs Debian's numpy and scipy.
+// The metrics of trajectories against a scorer that was written apart from this project.
+#include "tests/evaluation/reference_scorer.h"
+
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
 #include <nlohmann/json.hpp>
 
 #include "evaluation/trajectory_metrics.h"
@@ -18,17 +17,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using nlohmann::ordered_json;
-
-constexpr const char* kPython = "/usr/bin/python3";  // Debian's: it has numpy and scipy
-
-std::string OutputOf(const std::string& command) {
-  std::string output;
-  std::FILE* pipe = popen(command.c_str(), "r");
-  if (!pipe) return output;
-  for (int c = std::fgetc(pipe); c != EOF; c = std::fgetc(pipe)) output += static_cast<char>(c);
-  EXPECT_EQ(pclose(pipe), 0) << command;
-  return output;
-}
 
 // One unit of the last digit that is printed under `key`.
 double LastDigit(const std::string& key) {
@@ -55,20 +43,13 @@ void ExpectEqual(const ordered_json& found, const ordered_json& expected) {
   }
 }
 
-class ReferenceScorer : public testing::Test {
+class ReferenceScorer : public ReferenceScorerTest {
  protected:
-  void SetUp() override {
-    const char* data = std::getenv("RIGMAP_DATA");
-    if (!data) GTEST_SKIP() << "RIGMAP_DATA is not set";
-    scorer_ = fs::path(data) / ".." / "score" / "trajectory_metrics.py";
-    if (!fs::exists(scorer_)) GTEST_SKIP() << scorer_ << " does not exist";
-    if (!fs::exists(kPython)) GTEST_SKIP() << kPython << " does not exist";
-  }
-
   void Compare(const fs::path& estimate, const fs::path& truth,
                const EvaluationOptions& options = {}) {
-    std::string command = fmt::format("{} '{}' '{}' '{}' --max-dt {}", kPython, scorer_.string(),
-                                      estimate.string(), truth.string(), options.max_dt_s);
+    std::string command = fmt::format("{} '{}' '{}' '{}' --max-dt {}", kPython,
+                                      Scorer("trajectory_metrics.py").string(), estimate.string(),
+                                      truth.string(), options.max_dt_s);
     if (options.segment_m > 0.0) command += fmt::format(" --segment {}", options.segment_m);
     const auto metrics = CompareTrajectories(ReadTum(estimate), ReadTum(truth), options);
     ExpectEqual(ToJson(metrics), ordered_json::parse(OutputOf(command)));
@@ -112,7 +93,6 @@ class ReferenceScorer : public testing::Test {
   }
 
   SeededRandom random_;
-  fs::path scorer_;
 };
 
 TEST_F(ReferenceScorer, AgreesOnNoisyDrives) {
@@ -155,7 +135,7 @@ TEST_F(ReferenceScorer, AgreesWhereTooFewPosesMatch) {
 }
 
 TEST_F(ReferenceScorer, AgreesOnARealTrajectory) {
-  const fs::path truth = fs::path(std::getenv("RIGMAP_DATA")) / "euroc-still/groundtruth_tum.txt";
+  const fs::path truth = data_ / "euroc-still/groundtruth_tum.txt";
   if (!fs::exists(truth)) GTEST_SKIP() << truth << " does not exist";
   Trajectory estimate;
   for (const TumPose& pose : ReadTum(truth)) {

@@ -1,0 +1,30 @@
+// The satellite fixes of a Katwijk part, gps-latlong.txt and gps-utm31.txt. A row: stamp, status,
+// latitude and longitude (degrees), altitude (m above the ellipsoid), sigmas north, east, up (m),
+// separated by blanks. gps-utm31.txt should hold metres of UTM 31N in place of the degrees, in
+// either order, but the published ones hold degrees: the values decide, for the file as a whole.
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "scene/survey.h"
+
+namespace rigmap {
+
+struct GnssReading {
+  std::vector<GnssFix> fixes;  // in order of stamps
+  // A sentence, if rows were left out: how many, and the first with its line, what was expected and
+  // what was found.
+  std::vector<std::string> remarks;
+};
+
+// The part's gps-latlong.txt, else its gps-utm31.txt; nothing if it has neither.
+std::optional<GnssReading> ReadGnss(const std::filesystem::path& part_folder);
+
+// One such file. Rows that are malformed, or of another kind of coordinates than most, are left
+// out. Throws DataError if the file cannot be read or has no row that can be used.
+GnssReading ReadGnssFile(const std::filesystem::path& path);
+
+}  // namespace rigmap

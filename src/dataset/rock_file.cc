@@ -1,0 +1,105 @@
+#include "dataset/rock_file.h"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <optional>
+#include <sstream>
+#include <string>
+#include <string_view>
+
+#include "core/error.h"
+#include "core/file.h"
+#include "dataset/text_row.h"
+
+namespace rigmap {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::array<RockSize, 3> kSizes{RockSize::kSmall, RockSize::kMedium, RockSize::kLarge};
+
+struct RockList {
+  const char* folder;
+  const char* traverse;  // in the files' names
+};
+constexpr RockList kFirstList{"Rock Positions Traverse 1 and 2", "12"};
+constexpr RockList kThirdList{"Rock Positions Traverse 3", "3"};
+
+bool IsFolder(const fs::path& path) {
+  std::error_code ignored;
+  return fs::is_directory(path, ignored);
+}
+
+std::optional<fs::path> FindRockData(const KatwijkPart& part) {
+  const fs::path traverse = part.folder.parent_path();
+  for (const fs::path& folder : {part.folder, traverse, traverse.parent_path()}) {
+    if (IsFolder(folder / "Rock Data")) return folder / "Rock Data";
+  }
+  return std::nullopt;
+}
+
+std::optional<RockList> ListOf(const KatwijkPart& part, const fs::path& rock_data) {
+  if (part.traverse) return *part.traverse == 3 ? kThirdList : kFirstList;
+  const bool has_first = IsFolder(rock_data / kFirstList.folder);
+  const bool has_third = IsFolder(rock_data / kThirdList.folder);
+  if (has_first == has_third) return std::nullopt;
+  return has_first ? kFirstList : kThirdList;
+}
+
+struct RockRow {
+  GridColumns columns = GridColumns::kEastingFirst;
+  double first = 0.0, second = 0.0;
+};
+
+std::optional<RockRow> ParseRow(std::string_view line) {
+  const auto first = ParseFinite(NextWord(line)), second = ParseFinite(NextWord(line));
+  if (!first || !second || !NextWord(line).empty()) return std::nullopt;
+  const auto columns = GridColumnsOf(*first, *second);
+  if (!columns) return std::nullopt;
+  return RockRow{*columns, *first, *second};
+}
+
+}  // namespace
+
+std::vector<SurveyedRock> ReadRockFile(const fs::path& path, RockSize size) {
+  std::vector<SurveyedRock> rocks;
+  std::optional<GridColumns> columns;
+  std::istringstream stream(ReadTextFile(path));
+  std::string line;
+  for (int number = 1; std::getline(stream, line); ++number) {
+    std::string_view words = line;
+    if (NextWord(words).empty()) continue;
+    const auto row = ParseRow(line);
+    if (!row || row->columns != columns.value_or(row->columns)) {
+      throw DataError(
+          fmt::format("{}:{}: expected easting and northing in UTM 31N metres, in the same order "
+                      "in all rows, found '{}'",
+                      path.string(), number, line));
+    }
+    columns = row->columns;
+    const bool easting_first = *columns == GridColumns::kEastingFirst;
+    rocks.push_back(
+        {size, easting_first ? row->first : row->second, easting_first ? row->second : row->first});
+  }
+  return rocks;
+}
+
+std::vector<SurveyedRock> ReadRockSurvey(const KatwijkPart& part) {
+  std::vector<SurveyedRock> rocks;
+  const auto rock_data = FindRockData(part);
+  if (!rock_data) return rocks;
+  const auto list = ListOf(part, *rock_data);
+  if (!list) return rocks;
+  for (const RockSize size : kSizes) {
+    const fs::path path = *rock_data / list->folder /
+                          fmt::format("{}-rocks-traverse{}.txt", Name(size), list->traverse);
+    std::error_code ignored;
+    if (!fs::is_regular_file(path, ignored)) continue;
+    const auto of_size = ReadRockFile(path, size);
+    rocks.insert(rocks.end(), of_size.begin(), of_size.end());
+  }
+  return rocks;
+}
+
+}  // namespace rigmap

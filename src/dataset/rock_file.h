@@ -1,0 +1,26 @@
+// Katwijk's surveyed rocks:
+//   <root>/Rock Data/Rock Positions Traverse 1 and 2/{small,medium,large}-rocks-traverse12.txt
+//   <root>/Rock Data/Rock Positions Traverse 3/{small,medium,large}-rocks-traverse3.txt
+// A row is a rock: easting and northing, or northing and easting, in UTM 31N metres, separated by
+// blanks. Which is which is decided from the values.
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+#include "dataset/katwijk.h"
+#include "scene/survey.h"
+
+namespace rigmap {
+
+// The rocks of the part's traverse, from a folder `Rock Data` beside the part or its traverse.
+// Empty where there is none, or where the traverse is unknown and both lists are there. Throws
+// DataError as ReadRockFile does.
+std::vector<SurveyedRock> ReadRockSurvey(const KatwijkPart& part);
+
+// One file, whose rocks all have this size; empty lines are passed over. Throws DataError naming
+// file, line, what was expected and found for a row that is no place of the zone, or has its
+// columns the other way round than the first one.
+std::vector<SurveyedRock> ReadRockFile(const std::filesystem::path& path, RockSize size);
+
+}  // namespace rigmap

@@ -1,0 +1,145 @@
+#include "evaluation/rock_survey.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "georeference/local_frame.h"
+#include "georeference/utm.h"
+
+namespace rigmap {
+namespace {
+
+constexpr double kBody_m = 0.15;  // half the height of a small rock
+constexpr int kMinFrames = 2;     // a place that fewer see is not kept in a map
+
+Eigen::Vector2d PlaceInPlane(const SurveyedRock& rock, const LocalFrame& plane) {
+  const Geodetic place = FromUtm31(rock.easting_m, rock.northing_m, plane.origin().altitude_m);
+  return plane.ToEnu(place).head<2>();
+}
+
+bool IsSeen(const Eigen::Vector3d& x_in_world, const TimedPose& pose, const StereoRig& rig,
+            double max_view_m) {
+  const Eigen::Vector3d x_in_left = pose.world_from_left.Inverse() * x_in_world;
+  if (x_in_left.norm() > max_view_m) return false;
+  const auto left = Project(rig.left.camera, x_in_left);
+  const auto right = Project(rig.right.camera, rig.right_from_left * x_in_left);
+  return left && right && rig.left.camera.Contains(*left) && rig.right.camera.Contains(*right);
+}
+
+bool IsInMap(const Eigen::Vector3d& x_in_world, const RoverViews& views, double max_view_m) {
+  int frames = 0;
+  for (const TimedPose& pose : views.trajectory) {
+    frames += IsSeen(x_in_world, pose, views.rig, max_view_m) ? 1 : 0;
+  }
+  return frames >= kMinFrames;
+}
+
+// Points of a rock's inside, around its middle: as many of them are in view as of its surface,
+// about, but for what it hides itself.
+bool IsBodyInMap(const Eigen::Vector3d& middle, double half_width_m, const RoverViews& views,
+                 double max_view_m) {
+  constexpr int kPoints = 12, kEnough = kPoints / 3;
+  constexpr double kInside = 0.7;
+  int seen = 0;
+  for (int i = 0; i < kPoints; ++i) {
+    const double angle_rad = 2.0 * std::numbers::pi * i / kPoints;
+    const Eigen::Vector3d arm(std::cos(angle_rad), std::sin(angle_rad), 0.0);
+    seen += IsInMap(middle + kInside * half_width_m * arm, views, max_view_m) ? 1 : 0;
+  }
+  return seen >= kEnough;
+}
+
+bool ShouldShow(const Eigen::Vector2d& x_in_world, RockSize size, const RoverViews& views,
+                const GroundLevel& ground, const RockSurveyOptions& options) {
+  const auto level_m = ground.Near(x_in_world);
+  const bool near_path = std::ranges::any_of(views.trajectory, [&](const TimedPose& pose) {
+    const Eigen::Vector2d camera = pose.world_from_left.translation.head<2>();
+    return (camera - x_in_world).norm() <= options.max_from_path_m;
+  });
+  if (!level_m || !near_path) return false;
+  const Eigen::Vector3d middle(x_in_world.x(), x_in_world.y(), *level_m + kBody_m);
+  return IsBodyInMap(middle, options.HalfWidth(size), views, options.max_view_m);
+}
+
+double MatchLimit(const SurveyedRock& rock, double alignment_sigma_m,
+                  const RockSurveyOptions& options) {
+  return options.HalfWidth(rock.size) +
+         options.max_sigmas * std::hypot(alignment_sigma_m, options.survey_sigma_m);
+}
+
+struct Candidate {
+  std::size_t row = 0, rock = 0;
+  double distance_m = 0.0;
+};
+
+// Gives each row the nearest rock that no nearer row takes; returns how many rocks found a row.
+int Match(const std::vector<SegmentedRock>& rocks, const Rigid2& plane_from_world,
+          std::vector<SurveyRow>& rows) {
+  std::vector<Candidate> candidates;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    for (std::size_t j = 0; j < rocks.size(); ++j) {
+      const Eigen::Vector2d place = plane_from_world * rocks[j].centre;
+      const double distance_m = (place - rows[i].place_in_plane).norm();
+      if (distance_m <= rows[i].limit_m) candidates.push_back({i, j, distance_m});
+    }
+  }
+  std::ranges::stable_sort(candidates, {}, &Candidate::distance_m);
+  std::vector<bool> taken(rocks.size(), false);
+  for (const Candidate& candidate : candidates) {
+    SurveyRow& row = rows[candidate.row];
+    if (row.found || taken[candidate.rock]) continue;
+    taken[candidate.rock] = true;
+    row.found = rocks[candidate.rock];
+    row.offset_m = plane_from_world * row.found->centre - row.place_in_plane;
+  }
+  return static_cast<int>(std::ranges::count(taken, true));
+}
+
+}  // namespace
+
+void RockSurveyOptions::Validate() const {
+  RequireOption(small_half_width_m > 0.0, "rocks.small_half_width_m", "more than 0 m",
+                small_half_width_m);
+  RequireOption(medium_half_width_m > 0.0, "rocks.medium_half_width_m", "more than 0 m",
+                medium_half_width_m);
+  RequireOption(large_half_width_m > 0.0, "rocks.large_half_width_m", "more than 0 m",
+                large_half_width_m);
+  RequireOption(survey_sigma_m >= 0.0, "rocks.survey_sigma_m", "at least 0 m", survey_sigma_m);
+  RequireOption(max_sigmas >= 0.0, "rocks.max_sigmas", "at least 0", max_sigmas);
+  RequireOption(max_from_path_m > 0.0, "rocks.max_from_path_m", "more than 0 m", max_from_path_m);
+  RequireOption(max_view_m > 0.0, "rocks.max_view_m", "more than 0 m", max_view_m);
+}
+
+double RockSurveyOptions::HalfWidth(RockSize size) const {
+  return size == RockSize::kSmall    ? small_half_width_m
+         : size == RockSize::kMedium ? medium_half_width_m
+                                     : large_half_width_m;
+}
+
+RockSurvey CompareWithSurvey(const RockSegmentation& map, const RoverViews& views,
+                             const PlacedSurvey& survey, const RockSurveyOptions& options) {
+  options.Validate();
+  const RtkAlignment& alignment = survey.alignment;
+  const LocalFrame plane(alignment.plane_origin);
+  const Rigid2 world_from_plane = alignment.plane_from_world.Inverse();
+  std::vector<SurveyRow> rows;
+  for (const SurveyedRock& rock : survey.rocks) {
+    SurveyRow row{.surveyed = rock, .place_in_plane = PlaceInPlane(rock, plane)};
+    const double sigma_m = alignment.SigmaAt(world_from_plane * row.place_in_plane);
+    row.limit_m = MatchLimit(rock, sigma_m, options);
+    rows.push_back(row);
+  }
+  RockSurvey result;
+  result.segmented = static_cast<int>(map.rocks.size());
+  result.unknown = result.segmented - Match(map.rocks, alignment.plane_from_world, rows);
+  for (const SurveyRow& row : rows) {
+    const Eigen::Vector2d place = world_from_plane * row.place_in_plane;
+    if (!ShouldShow(place, row.surveyed.size, views, map.ground, options)) continue;
+    result.found += row.found ? 1 : 0;
+    result.rows.push_back(row);
+  }
+  return result;
+}
+
+}  // namespace rigmap

@@ -1,0 +1,61 @@
+#include "raster/cell_frame.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <cmath>
+
+#include "core/error.h"
+#include "export/ply_reader.h"
+
+namespace rigmap {
+namespace {
+
+constexpr double kMaxCells = 1e11;
+constexpr double kMaxSideCells = 1e9;  // so that cells can be counted in an int
+
+Eigen::AlignedBox2d BoundsOf(const std::filesystem::path& ply) {
+  Eigen::AlignedBox2d bounds;
+  PlyReader reader(ply);
+  PointCloud block;
+  while (reader.Read(block)) {
+    for (const SurfacePoint& point : block) {
+      if (point.x_in_world.allFinite()) bounds.extend(point.x_in_world.head<2>().cast<double>());
+    }
+  }
+  return bounds;
+}
+
+}  // namespace
+
+int CellFrame::Column(double x_m) const {
+  return static_cast<int>(static_cast<std::int64_t>(std::floor(x_m / cell_m)) - west);
+}
+
+int CellFrame::Row(double y_m) const {
+  return static_cast<int>(north - static_cast<std::int64_t>(std::floor(y_m / cell_m)));
+}
+
+Eigen::Vector2d CellFrame::UpperLeft() const {
+  return cell_m * Eigen::Vector2d(static_cast<double>(west), static_cast<double>(north + 1));
+}
+
+CellFrame FrameOf(const std::filesystem::path& ply, double cell_m) {
+  const Eigen::AlignedBox2d bounds = BoundsOf(ply);
+  if (bounds.isEmpty()) {
+    throw DataError(fmt::format("{}: expected points, found none", ply.string()));
+  }
+  const Eigen::Array2d low = (bounds.min().array() / cell_m).floor();
+  const Eigen::Array2d high = (bounds.max().array() / cell_m).floor();
+  const Eigen::Array2d cells = high - low + 1.0;
+  const double farthest = std::max(low.abs().maxCoeff(), high.abs().maxCoeff());
+  if (cells.prod() > kMaxCells || cells.maxCoeff() > kMaxSideCells || farthest > 1e15) {
+    throw DataError(fmt::format(
+        "{}: expected a cloud of at most {:g} cells of {} m, found one of {:g} m x {:g} m",
+        ply.string(), kMaxCells, cell_m, bounds.sizes().x(), bounds.sizes().y()));
+  }
+  return {cell_m, static_cast<std::int64_t>(low.x()), static_cast<std::int64_t>(high.y()),
+          static_cast<int>(cells.x()), static_cast<int>(cells.y())};
+}
+
+}  // namespace rigmap

@@ -1,0 +1,232 @@
+#include "raster/surface_views.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <functional>
+#include <opencv2/imgcodecs.hpp>
+#include <string>
+
+#include "core/error.h"
+#include "core/file.h"
+#include "export/ply_reader.h"
+#include "raster/picture_frame.h"
+#include "raster/relief_shading.h"
+#include "raster/upper_surface.h"
+#include "raster/view_axes.h"
+
+namespace rigmap {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kStrayShare = 0.0002;  // of the points, left out of the view at each edge
+constexpr double kMaxGap_m = 0.08;      // closed in pictures
+constexpr double kMaxGapPx = 40.0;      // and where that is more, these
+constexpr int kGapLengthPerWidth = 4;
+constexpr double kMinView_m = 0.2;          // extent of the smallest view
+constexpr std::uint64_t kSamples = 200000;  // points that decide on the extent
+
+struct View {
+  std::string name;
+  std::string caption;
+  ViewAxes axes;
+  std::array<RangeCounter, 2> counters{};  // along right and up
+  // Set by Frame: view coordinates of the upper left corner, and the scale.
+  Eigen::Vector2d upper_left_m = Eigen::Vector2d::Zero();
+  double px_per_m = 0.0;
+  cv::Size size_px{};
+
+  // From the view's upper left corner.
+  Eigen::Vector2d PixelFromView(const Eigen::Vector3d& x_in_view) const {
+    return {(x_in_view.x() - upper_left_m.x()) * px_per_m,
+            (upper_left_m.y() - x_in_view.y()) * px_per_m};
+  }
+};
+
+std::array<View, 3> Views(const Trajectory& trajectory) {
+  const Eigen::Vector3d direction = DrivingDirection(trajectory);
+  return {
+      View{"view_top.png", "From above: x (first heading) to the right, y up", TopView()},
+      View{"view_side.png",
+           "From the right, straight across the drive, heights to scale; thin: down to the ground",
+           SideView(direction)},
+      View{"view_oblique.png",
+           "From behind and above, the scale holds from left to right; thin: down to the ground",
+           ObliqueView(direction)}};
+}
+
+void ForEachPoint(const fs::path& ply, const std::function<void(const SurfacePoint&)>& take) {
+  PlyReader reader(ply);
+  PointCloud block;
+  while (reader.Read(block)) {
+    for (const SurfacePoint& point : block) {
+      if (point.x_in_world.allFinite()) take(point);
+    }
+  }
+}
+
+void CountExtents(const fs::path& ply, std::array<View, 3>& views) {
+  const std::uint64_t stride = PlyReader(ply).point_count() / kSamples + 1;
+  std::uint64_t index = 0;
+  ForEachPoint(ply, [&](const SurfacePoint& point) {
+    if (index++ % stride != 0) return;
+    for (View& view : views) {
+      const Eigen::Vector3d x_in_view = view.axes.ViewFromWorld(point.x_in_world.cast<double>());
+      for (int i = 0; i < 2; ++i) view.counters[i].Add(x_in_view(i));
+    }
+  });
+  if (index == 0) throw DataError(fmt::format("{}: expected points, found none", ply.string()));
+}
+
+// Takes in the points without strays, and the path; the longest side of the picture has its size.
+void Frame(const Trajectory& trajectory, int picture_px, View& view) {
+  Eigen::Vector2d low, high;
+  for (int i = 0; i < 2; ++i) {
+    const RangeCounter::Range range = view.counters[i].Trimmed(kStrayShare);
+    low(i) = range.low;
+    high(i) = range.high;
+  }
+  for (const TimedPose& pose : trajectory) {
+    const Eigen::Vector2d x = view.axes.ViewFromWorld(pose.world_from_left.translation).head<2>();
+    low = low.cwiseMin(x);
+    high = high.cwiseMax(x);
+  }
+  const Eigen::Vector2d extent_m = (high - low).cwiseMax(kMinView_m);
+  view.upper_left_m = {low.x(), low.y() + extent_m.y()};
+  view.px_per_m = std::min((picture_px - 2 * kMarginPx) / extent_m.x(),
+                           (picture_px - 2 * kMarginPx - kFooterPx) / extent_m.y());
+  const Eigen::Vector2d size_px = (view.px_per_m * extent_m).array().floor().max(1.0);
+  view.size_px = {static_cast<int>(size_px.x()), static_cast<int>(size_px.y())};
+}
+
+// Calls take(column, row) for the pixels that a point's square covers: as large as a cell and a
+// half, so that neighbours touch.
+template <class Take>
+void ForEachPixel(const View& view, const Eigen::Vector3d& x_in_view, double cell_m, Take take) {
+  const double reach_px = 0.75 * cell_m * view.px_per_m;
+  const Eigen::Array2d centre_px = view.PixelFromView(x_in_view);
+  const Eigen::Array2d limit_px(view.size_px.width - 1, view.size_px.height - 1);
+  const Eigen::Array2d first = (centre_px - reach_px).floor().max(0.0);
+  const Eigen::Array2d last = (centre_px + reach_px).floor().min(limit_px);
+  for (double row = first.y(); row <= last.y(); ++row) {
+    for (double column = first.x(); column <= last.x(); ++column) {
+      take(static_cast<int>(column), static_cast<int>(row));
+    }
+  }
+}
+
+// What is nearest to the viewer, pixel by pixel.
+std::array<SurfaceGrid, 3> Surfaces(const fs::path& ply, const std::array<View, 3>& views,
+                                    double cell_m) {
+  std::vector<UpperSurface> surfaces;
+  for (const View& view : views) {
+    const double layer_m = 2.0 * std::max(cell_m, 1.0 / view.px_per_m);
+    surfaces.emplace_back(view.size_px.width, view.size_px.height, layer_m);
+  }
+  const auto visit = [&](auto deed) {
+    ForEachPoint(ply, [&](const SurfacePoint& point) {
+      for (std::size_t i = 0; i < views.size(); ++i) {
+        const Eigen::Vector3d x_in_view =
+            views[i].axes.ViewFromWorld(point.x_in_world.cast<double>());
+        ForEachPixel(views[i], x_in_view, cell_m, [&](int column, int row) {
+          deed(surfaces[i], column, row, static_cast<float>(x_in_view.z()), point);
+        });
+      }
+    });
+  };
+  visit([](UpperSurface& surface, int column, int row, float nearness_m, const SurfacePoint&) {
+    surface.Raise(column, row, nearness_m);
+  });
+  visit(
+      [](UpperSurface& surface, int column, int row, float nearness_m, const SurfacePoint& point) {
+        surface.Blend(column, row, nearness_m, point.rgb, point.observations);
+      });
+  return {surfaces[0].Finish(), surfaces[1].Finish(), surfaces[2].Finish()};
+}
+
+// Takes the pixels' nearness for their height in world.
+void MeasureUpwards(const View& view, SurfaceGrid& surface) {
+  for (int row = 0; row < surface.rows; ++row) {
+    const double along_up_m = view.upper_left_m.y() - (row + 0.5) / view.px_per_m;
+    for (int column = 0; column < surface.columns; ++column) {
+      float& height_m = surface.height_m[surface.Index(column, row)];
+      height_m = static_cast<float>(view.axes.up.z() * along_up_m +
+                                    view.axes.towards_viewer.z() * height_m);
+    }
+  }
+}
+
+// From a dozen places on the path straight down to the ground, where that was seen: camera, foot.
+std::vector<std::array<Eigen::Vector3d, 2>> PlumbLines(const View& top, const SurfaceGrid& ground,
+                                                       const Trajectory& trajectory) {
+  constexpr std::size_t kLines = 12;
+  std::vector<std::array<Eigen::Vector3d, 2>> lines;
+  for (std::size_t i = 0; i < trajectory.size(); i += trajectory.size() / kLines + 1) {
+    const Eigen::Vector3d& camera = trajectory[i].world_from_left.translation;
+    const Eigen::Array2d pixel = top.PixelFromView(top.axes.ViewFromWorld(camera)).array().floor();
+    const int column = static_cast<int>(pixel.x()), row = static_cast<int>(pixel.y());
+    if (!ground.Holds(column, row)) continue;
+    lines.push_back({camera, {camera.x(), camera.y(), ground.height_m[ground.Index(column, row)]}});
+  }
+  return lines;
+}
+
+cv::Mat3b Picture(const View& view, const SurfaceGrid& surface, const Trajectory& trajectory,
+                  const std::vector<std::array<Eigen::Vector3d, 2>>& plumb_lines) {
+  Canvas canvas = EmptyCanvas(view.size_px);
+  DrawShaded(surface, view.px_per_m, canvas.picture(canvas.view));
+  const auto pixel = [&](const Eigen::Vector3d& x_in_world) -> Eigen::Vector2d {
+    return view.PixelFromView(view.axes.ViewFromWorld(x_in_world)) +
+           Eigen::Vector2d(canvas.view.x, canvas.view.y);
+  };
+  for (const auto& [camera, foot] : plumb_lines) {
+    DrawPlumbLine(canvas.picture, pixel(camera), pixel(foot));
+  }
+  std::vector<Eigen::Vector2d> path_px;
+  for (const TimedPose& pose : trajectory) {
+    path_px.push_back(pixel(pose.world_from_left.translation));
+  }
+  DrawPath(canvas.picture, path_px);
+  DrawFooter(canvas, view.px_per_m, view.caption);
+  return canvas.picture;
+}
+
+void WritePng(const cv::Mat3b& picture, const fs::path& path) {
+  std::vector<std::uint8_t> bytes;
+  if (!cv::imencode(".png", picture, bytes)) {
+    throw DataError(fmt::format("{}: cannot encode the picture", path.string()));
+  }
+  WriteFileAtomically(path, [&](std::ostream& stream) {
+    stream.write(reinterpret_cast<const char*>(bytes.data()),
+                 static_cast<std::streamsize>(bytes.size()));
+  });
+}
+
+}  // namespace
+
+void WriteSurfaceViews(const fs::path& ply, const Trajectory& trajectory, const fs::path& folder,
+                       const RasterOptions& options) {
+  options.Validate();
+  std::array<View, 3> views = Views(trajectory);
+  CountExtents(ply, views);
+  for (View& view : views) Frame(trajectory, options.picture_px, view);
+  std::array<SurfaceGrid, 3> surfaces = Surfaces(ply, views, options.cell_m);
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    const double gap_px = std::min(kMaxGap_m * views[i].px_per_m, kMaxGapPx);
+    const int max_width_px = 1 + static_cast<int>(gap_px);
+    // A second time for the frayed rims that the first leaves of wider holes.
+    for (int time = 0; time < 2; ++time) {
+      FillPinholes(surfaces[i], max_width_px, kGapLengthPerWidth * max_width_px);
+    }
+    MeasureUpwards(views[i], surfaces[i]);
+  }
+  const auto plumb_lines = PlumbLines(views[0], surfaces[0], trajectory);
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    WritePng(Picture(views[i], surfaces[i], trajectory, plumb_lines), folder / views[i].name);
+  }
+}
+
+}  // namespace rigmap

@@ -1,0 +1,58 @@
+// What is seen of a cloud from straight above, on a grid of cells. "Above" is whatever the caller
+// takes for the height: z for maps, nearness to the viewer for pictures.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace rigmap {
+
+struct SurfaceGrid {
+  int columns = 0;
+  int rows = 0;
+  std::vector<float> height_m;                   // row by row; NaN where nothing was seen
+  std::vector<std::array<std::uint8_t, 3>> rgb;  // black there
+
+  std::size_t Index(int column, int row) const {
+    return static_cast<std::size_t>(row) * columns + column;
+  }
+  bool Holds(int column, int row) const;  // inside, and something was seen
+};
+
+// A cell's height and colour are the means, weighted by observations, of its points within
+// `layer_m` below the highest: points farther down are covered. The points must be given twice,
+// first all to Raise, then all to Blend. 28 bytes a cell. Cells must lie inside the grid.
+class UpperSurface {
+ public:
+  UpperSurface(int columns, int rows, double layer_m);
+
+  void Raise(int column, int row, float height_m);
+  void Blend(int column, int row, float height_m, const std::array<std::uint8_t, 3>& rgb,
+             std::uint16_t observations);
+  SurfaceGrid Finish() const;
+
+ private:
+  struct Cell {
+    float top_m;             // minus infinity: no point
+    float weight = 0.0F;     // of the top layer, as the sums
+    float depth_sum = 0.0F;  // of metres below the top
+    std::array<float, 3> rgb_sum{};
+  };
+
+  int columns_;
+  int rows_;
+  float layer_m_;
+  std::vector<Cell> cells_;
+};
+
+// Fills cells in which nothing was seen where the hole is narrow: of the run of such cells through
+// the cell along its row and the one along its column, the shorter has at most `max_width_cells`
+// and the longer at most `max_length_cells`, and both end at seen cells. The value is linear along
+// each run, and the mean of the two: right on a plane. Only what was seen ends a run, so nothing
+// grows over an outer edge or into a wide hole; a narrow hole across a step becomes a slope.
+// Returns how many were filled.
+std::size_t FillPinholes(SurfaceGrid& grid, int max_width_cells, int max_length_cells);
+
+}  // namespace rigmap

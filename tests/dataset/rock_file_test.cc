@@ -1,0 +1,88 @@
+#include "dataset/rock_file.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdlib>
+
+#include "core/error.h"
+#include "tests/support/message_of.h"
+#include "tests/support/temporary_folder.h"
+
+namespace rigmap {
+namespace {
+
+constexpr const char* kFirst = "Rock Data/Rock Positions Traverse 1 and 2/";
+constexpr const char* kThird = "Rock Data/Rock Positions Traverse 3/";
+
+TEST(RockFile, FindsTheNorthingByItsSize) {
+  const TemporaryFolder folder;
+  for (const std::string text :
+       {"595685.5 5785795.2\n\n595678.1\t5785790.5\r\n", "5785795.2 595685.5\n5785790.5 595678.1",
+        "  5.956855e5 5.7857952e+06\n5.956781e5 5.7857905e+06\n"}) {
+    const auto rocks = ReadRockFile(folder.Write("rocks.txt", text), RockSize::kMedium);
+    ASSERT_EQ(rocks.size(), 2U) << text;
+    EXPECT_EQ(rocks[0].size, RockSize::kMedium);
+    EXPECT_NEAR(rocks[0].northing_m, 5785795.2, 1e-6);
+    EXPECT_NEAR(rocks[1].easting_m, 595678.1, 1e-6);
+    EXPECT_NEAR(rocks[1].northing_m, 5785790.5, 1e-6);
+  }
+}
+
+TEST(RockFile, NamesTheLineThatIsNoPlace) {
+  const TemporaryFolder folder;
+  for (const std::string bad : {"595685.5", "595685.5 5785795.2 1.0", "595685.5 five", "52.2 4.4",
+                                "595685.5 595685.5", "5785795.2 595685.5"}) {
+    const auto path = folder.Write("rocks.txt", "595685.5 5785795.2\n" + bad + "\n");
+    const std::string message = MessageOf<DataError>([&] { ReadRockFile(path, RockSize::kSmall); });
+    EXPECT_NE(message.find("rocks.txt:2: expected easting and northing"), std::string::npos)
+        << message;
+    EXPECT_NE(message.find("found '" + bad + "'"), std::string::npos) << message;
+  }
+}
+
+TEST(RockFile, TakesTheListOfTheTraverse) {
+  const TemporaryFolder folder;
+  folder.Write(std::string(kFirst) + "small-rocks-traverse12.txt", "595001 5785001\n");
+  const auto part_folder = folder.Path() / "Traverse1" / "Part1";
+  const auto eastings = [&](std::optional<int> traverse) {
+    std::vector<double> found;
+    for (const auto& rock : ReadRockSurvey({part_folder, traverse, 1})) {
+      found.push_back(rock.easting_m);
+    }
+    return found;
+  };
+  EXPECT_EQ(eastings({}), std::vector<double>{595001});  // the only list
+  folder.Write(std::string(kThird) + "large-rocks-traverse3.txt", "595003 5785003\n");
+  folder.Write(std::string(kThird) + "small-rocks-traverse3.txt", "595004 5785003\n");
+  EXPECT_EQ(eastings(1), std::vector<double>{595001});
+  EXPECT_EQ(eastings(2), std::vector<double>{595001});
+  EXPECT_EQ(eastings(3), (std::vector<double>{595004, 595003}));
+  EXPECT_TRUE(eastings({}).empty());  // which of two, nobody knows
+  EXPECT_EQ(ReadRockSurvey({part_folder, 3, 1}).back().size, RockSize::kLarge);
+}
+
+TEST(RockFile, LooksBesideThePartAndItsTraverse) {
+  const TemporaryFolder folder;
+  EXPECT_TRUE(ReadRockSurvey({folder.Path() / "Part1", {}, 1}).empty());
+  folder.Write(std::string(kThird) + "small-rocks-traverse3.txt", "595004 5785003\n");
+  for (const char* part : {"Part1", "Traverse3/Part1"}) {
+    EXPECT_EQ(ReadRockSurvey({folder.Path() / part, 3, 1}).size(), 1U) << part;
+  }
+}
+
+TEST(RockFile, ReadsARenderedBeach) {
+  const char* data = std::getenv("RIGMAP_DATA");
+  if (data == nullptr) GTEST_SKIP() << "RIGMAP_DATA is not set";
+  const auto root = std::filesystem::path(data) / "beach-dev";
+  const auto rocks = ReadRockSurvey(SelectKatwijkPart(root, 3, 1));
+  const auto count = [&](RockSize size) {
+    return std::ranges::count(rocks, size, &SurveyedRock::size);
+  };
+  EXPECT_EQ(count(RockSize::kSmall), 13);
+  EXPECT_EQ(count(RockSize::kMedium), 9);
+  EXPECT_EQ(count(RockSize::kLarge), 6);
+}
+
+}  // namespace
+}  // namespace rigmap

@@ -1,0 +1,135 @@
+#include "evaluation/map_truth.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "core/error.h"
+#include "evaluation/map_over_truth.h"
+#include "tests/evaluation/ply_text.h"
+#include "tests/support/message_of.h"
+#include "tests/support/temporary_folder.h"
+
+namespace rigmap {
+namespace {
+
+using testing::Test;
+
+constexpr const char* kPath = "1.0 0 0 1 0 0 0 1\n2.0 0.5 0 1 0 0 0 1\n";
+constexpr const char* kRocks =
+    R"({"note": "n", "rocks": [{"size": "large", "x": 1.5, "y": -2, "z": 0.25, "width": 1.1}]})";
+
+TrueSurface TwoPoints() {
+  return {{{1.0F, 2.0F, 3.0F}, {-1.5F, 0.25F, 0.125F}},
+          {{0.0F, 0.0F, 1.0F}, {0.0F, -1.0F, 0.0F}},
+          {1, 0},
+          {0, kRockKind}};
+}
+
+class ReadMapTruthTest : public Test {
+ protected:
+  std::filesystem::path Part() const { return folder_.Path() / "Part1"; }
+  std::filesystem::path WriteSurface(int left_out = 0) const {
+    folder_.Write("Part1/trajectory.tum", kPath);
+    return folder_.Write("Part1/surface.ply", SurfacePly(TwoPoints(), left_out));
+  }
+  std::string Complaint() const {
+    return MessageOf<DataError>([&] { ReadMapTruth(Part()); });
+  }
+
+  TemporaryFolder folder_;
+};
+
+TEST_F(ReadMapTruthTest, ReadsBackWhatWasWritten) {
+  WriteSurface();
+  folder_.Write("rocks.json", kRocks);
+  const auto truth = ReadMapTruth(Part());
+  ASSERT_TRUE(truth);
+  EXPECT_EQ(truth->path.size(), 2U);
+  const TrueSurface expected = TwoPoints();
+  EXPECT_EQ(truth->surface.x_in_truth, expected.x_in_truth);
+  EXPECT_EQ(truth->surface.normal, expected.normal);
+  EXPECT_EQ(truth->surface.visible, expected.visible);
+  EXPECT_EQ(truth->surface.kind, expected.kind);
+  ASSERT_EQ(truth->rocks.size(), 1U);
+  EXPECT_EQ(truth->rocks[0].size, "large");
+  EXPECT_EQ(truth->rocks[0].x_in_truth, Eigen::Vector3d(1.5, -2.0, 0.25));
+  EXPECT_EQ(truth->rocks[0].width_m, 1.1);
+}
+
+TEST_F(ReadMapTruthTest, HasNothingWithoutASurface) {
+  folder_.Write("Part1/trajectory.tum", kPath);
+  EXPECT_FALSE(ReadMapTruth(Part()));
+  EXPECT_FALSE(ReadMapTruth(folder_.Path() / "nowhere"));
+}
+
+TEST_F(ReadMapTruthTest, HasNoRocksWithoutTheirFile) {
+  WriteSurface();
+  EXPECT_TRUE(ReadMapTruth(Part())->rocks.empty());
+}
+
+TEST_F(ReadMapTruthTest, NamesAMissingProperty) {
+  const auto file = WriteSurface(2);
+  EXPECT_EQ(
+      Complaint(),
+      file.string() + ": expected vertices with a property 'visible', found 'x y z nx ny nz'");
+}
+
+TEST_F(ReadMapTruthTest, NeedsKindsWhereThereAreRocks) {
+  const auto file = WriteSurface(1);
+  EXPECT_EQ(ReadMapTruth(Part())->surface.kind, std::vector<std::uint8_t>(2, 0));
+  folder_.Write("rocks.json", kRocks);
+  EXPECT_EQ(
+      Complaint(),
+      file.string() + ": expected vertices with a property 'kind', found 'x y z nx ny nz visible'");
+}
+
+TEST_F(ReadMapTruthTest, NamesATruncatedSurface) {
+  const auto file = WriteSurface();
+  std::filesystem::resize_file(file, std::filesystem::file_size(file) - 1);
+  EXPECT_EQ(Complaint(), file.string() + ": expected 2 vertices of 17 bytes, found 33 bytes");
+}
+
+TEST_F(ReadMapTruthTest, NamesRocksThatAreNone) {
+  WriteSurface();
+  const std::string file = (Part() / ".." / "rocks.json").string();
+  for (const char* text : {"", "[1]", "{}", R"({"rocks": [{"size": "small", "x": 1}]})",
+                           R"({"rocks": [{"size": 1, "x": 1, "y": 1, "z": 1, "width": 1}]})"}) {
+    folder_.Write("rocks.json", text);
+    const std::string complaint = Complaint();
+    EXPECT_EQ(complaint.find(file + ": expected JSON with 'rocks', each with size, x, y, z and "
+                                    "width, found: "),
+              0U)
+        << text << ": " << complaint;
+  }
+}
+
+TEST(ReadMapPoints, ReadsBackMoreThanABlock) {
+  std::vector<Eigen::Vector3f> points;
+  for (int i = 0; i < 200'000; ++i) points.emplace_back(0.5F * i, -1.0F * i, 0.25F);
+  const TemporaryFolder folder;
+  EXPECT_EQ(ReadMapPoints(folder.Write("map.ply", MapPly(points))), points);
+  EXPECT_TRUE(ReadMapPoints(folder.Write("empty.ply", MapPly({}))).empty());
+}
+
+TEST(ReadMapPoints, NamesAPointThatIsNowhere) {
+  std::vector<Eigen::Vector3f> points(100'000, Eigen::Vector3f::Zero());
+  points[98'765].y() = std::numeric_limits<float>::quiet_NaN();
+  const TemporaryFolder folder;
+  const auto file = folder.Write("map.ply", MapPly(points));
+  EXPECT_EQ(MessageOf<DataError>([&] { ReadMapPoints(file); }),
+            file.string() + ": expected finite numbers, found nan as y of vertex 98765");
+}
+
+TEST(ReadMapPoints, NamesAFileThatIsMissingOrHasNoVertices) {
+  const TemporaryFolder folder;
+  const auto missing = folder.Path() / "none.ply";
+  EXPECT_EQ(MessageOf<DataError>([&] { ReadMapPoints(missing); }),
+            missing.string() + ": cannot read: No such file or directory");
+  const auto empty = folder.Write("empty.ply", PlyHead(3, ""));
+  EXPECT_EQ(MessageOf<DataError>([&] { ReadMapPoints(empty); }),
+            empty.string() + ": expected vertices with properties, found none");
+}
+
+}  // namespace
+}  // namespace rigmap

@@ -1,0 +1,246 @@
+#include "raster/surface_rasters.h"
+
+#include <cpl_conv.h>
+#include <gdal_priv.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <ogr_spatialref.h>
+
+#include <algorithm>
+#include <fstream>
+#include <memory>
+#include <random>
+
+#include "core/error.h"
+#include "tests/raster/synthetic_map.h"
+#include "tests/support/message_of.h"
+#include "tests/support/temporary_folder.h"
+#include "tests/support/test_file.h"
+
+namespace rigmap {
+namespace {
+
+using testing::Each;
+using testing::HasSubstr;
+using testing::UnorderedElementsAre;
+
+constexpr double kCell = 0.02;  // m: 200 x 100 cells
+
+std::unique_ptr<GDALDataset> Open(const std::filesystem::path& path) {
+  GDALAllRegister();
+  std::unique_ptr<GDALDataset> dataset(GDALDataset::Open(path.string().c_str(), GDAL_OF_RASTER));
+  if (!dataset) throw std::runtime_error("cannot open " + path.string());
+  return dataset;
+}
+
+std::vector<float> Band(GDALDataset& dataset, int band) {
+  const int columns = dataset.GetRasterXSize(), rows = dataset.GetRasterYSize();
+  std::vector<float> values(static_cast<std::size_t>(columns) * rows);
+  EXPECT_EQ(dataset.GetRasterBand(band)->RasterIO(GF_Read, 0, 0, columns, rows, values.data(),
+                                                  columns, rows, GDT_Float32, 0, 0),
+            CE_None);
+  return values;
+}
+
+class Rasters : public testing::Test {
+ protected:
+  RasterSummary Write(const PointCloud& cloud, const Georeference& georeference = {}) {
+    const auto ply = WriteCloud(folder_.Path() / "dense.ply", cloud);
+    return WriteSurfaceRasters(ply, folder_.Path(), options_, georeference);
+  }
+  std::unique_ptr<GDALDataset> Height() { return Open(folder_.Path() / "height.tif"); }
+  std::unique_ptr<GDALDataset> Ortho() { return Open(folder_.Path() / "ortho.tif"); }
+  // Of the cell in which the point lies.
+  std::size_t Index(double x_m, double y_m) const {
+    return static_cast<std::size_t>((1.5 - y_m) / kCell) * 200 +
+           static_cast<std::size_t>((x_m + 1.0) / kCell);
+  }
+
+  TemporaryFolder folder_;
+  RasterOptions options_{.cell_m = kCell};
+};
+
+TEST_F(Rasters, HoldTheHeightsNorthUp) {
+  const RasterSummary summary = Write(MapCloud(kCell));
+  EXPECT_EQ(summary.measured_cells, 20000U);
+  EXPECT_EQ(summary.filled_cells, 0U);
+  const auto height = Height();
+  ASSERT_EQ(height->GetRasterXSize(), 200);
+  ASSERT_EQ(height->GetRasterYSize(), 100);
+  const auto values = Band(*height, 1);
+  for (int row = 0; row < 100; ++row) {
+    for (int column = 0; column < 200; ++column) {
+      const double x_m = -1.0 + (column + 0.5) * kCell, y_m = 1.5 - (row + 0.5) * kCell;
+      const bool box = x_m > 2.0 && x_m < 2.4 && y_m > 1.0 && y_m < 1.2;
+      ASSERT_NEAR(values[row * 200 + column], GroundHeight(x_m, y_m) + (box ? 0.4 : 0.0), 1e-6)
+          << column << " " << row;
+    }
+  }
+}
+
+TEST_F(Rasters, SayWhereTheyLieAndWhatTheyHold) {
+  Write(MapCloud(kCell));
+  for (const auto& dataset : {Height().release(), Ortho().release()}) {
+    const std::unique_ptr<GDALDataset> owner(dataset);
+    std::array<double, 6> transform{};
+    ASSERT_EQ(owner->GetGeoTransform(transform.data()), CE_None);
+    const std::array<double, 6> expected{-1.0, kCell, 0.0, 1.5, 0.0, -kCell};
+    for (int i = 0; i < 6; ++i) EXPECT_NEAR(transform[i], expected[i], 1e-12) << i;
+    ASSERT_NE(owner->GetSpatialRef(), nullptr);
+    EXPECT_TRUE(owner->GetSpatialRef()->IsLocal());
+    EXPECT_STREQ(owner->GetSpatialRef()->GetName(), "rigmap world");
+    EXPECT_EQ(owner->GetSpatialRef()->GetLinearUnits(), 1.0);
+    EXPECT_STREQ(owner->GetMetadataItem("AREA_OR_POINT"), "Area");
+    EXPECT_STREQ(owner->GetMetadataItem("LAYOUT", "IMAGE_STRUCTURE"), "COG");
+  }
+  const auto height = Height();
+  EXPECT_EQ(height->GetRasterCount(), 1);
+  EXPECT_EQ(height->GetRasterBand(1)->GetRasterDataType(), GDT_Float32);
+  EXPECT_EQ(height->GetRasterBand(1)->GetNoDataValue(), -9999.0);
+  EXPECT_STREQ(height->GetRasterBand(1)->GetDescription(), "height");
+  EXPECT_STREQ(height->GetRasterBand(1)->GetUnitType(), "metre");
+  const auto ortho = Ortho();
+  ASSERT_EQ(ortho->GetRasterCount(), 4);
+  EXPECT_EQ(ortho->GetRasterBand(1)->GetColorInterpretation(), GCI_RedBand);
+  EXPECT_EQ(ortho->GetRasterBand(4)->GetColorInterpretation(), GCI_AlphaBand);
+  EXPECT_EQ(ortho->GetRasterBand(4)->GetRasterDataType(), GDT_Byte);
+}
+
+TEST_F(Rasters, HoldTheColoursSeenFromAbove) {
+  PointCloud cloud = MapCloud(kCell);
+  cloud.push_back(MapPoint(2.2, 1.1, -1.0, {0, 255, 0}));  // under the box
+  Write(cloud);
+  const auto ortho = Ortho();
+  for (int band = 1; band <= 3; ++band) {
+    const auto values = Band(*ortho, band);
+    EXPECT_EQ(values[Index(2.201, 1.101)], kBoxRgb[band - 1]);
+    EXPECT_EQ(values[Index(2.201, -0.199)], kSandRgb[band - 1]);
+    EXPECT_EQ(values[Index(-0.499, 1.101)], kSandRgb[band - 1]);
+  }
+  EXPECT_THAT(Band(*ortho, 4), Each(255.0F));
+}
+
+TEST_F(Rasters, FillPinholesButNeitherBordersNorWideHoles) {
+  const auto near = [](double x_m, double y_m, double cx_m, double cy_m, double reach_m) {
+    return std::abs(x_m - cx_m) < reach_m && std::abs(y_m - cy_m) < reach_m;
+  };
+  const RasterSummary summary = Write(MapCloud(kCell, [&](double x_m, double y_m) {
+    return near(x_m, y_m, 0.01, 0.01, 0.03) ||  // three cells wide
+           near(x_m, y_m, 1.01, 0.01, 0.2) ||   // 0.4 m wide
+           x_m + y_m < -0.9;                    // a corner
+  }));
+  EXPECT_EQ(summary.filled_cells, 9U);
+  const auto values = Band(*Height(), 1);
+  EXPECT_NEAR(values[Index(0.01, 0.01)], GroundHeight(0.01, 0.01), 1e-6);  // m
+  EXPECT_EQ(values[Index(1.01, 0.01)], -9999.0F);
+  EXPECT_EQ(values[Index(-0.99, -0.49)], -9999.0F);
+  const auto alpha = Band(*Ortho(), 4);
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    ASSERT_EQ(alpha[i], values[i] == -9999.0F ? 0.0F : 255.0F);
+  }
+}
+
+TEST_F(Rasters, FillPinholesOnTheBordersOfTiles) {
+  options_.cell_m = 0.004;  // 1000 x 500 cells: columns 511 and 512 lie in different tiles
+  const auto x_of_column = [&](int column) { return -1.0 + (column + 0.5) * options_.cell_m; };
+  const RasterSummary summary = Write(MapCloud(options_.cell_m, [&](double x_m, double y_m) {
+    const bool row = std::abs(y_m - 0.502) < 0.001;
+    return row &&
+           (std::abs(x_m - x_of_column(511)) < 0.001 || std::abs(x_m - x_of_column(512)) < 0.001);
+  }));
+  EXPECT_EQ(summary.filled_cells, 2U);
+  const auto height = Height();
+  EXPECT_EQ(height->GetRasterBand(1)->GetOverviewCount(), 1);
+  int block_columns = 0, block_rows = 0;
+  height->GetRasterBand(1)->GetBlockSize(&block_columns, &block_rows);
+  EXPECT_EQ(block_columns, 512);
+  const auto values = Band(*height, 1);
+  const std::size_t row = 249;  // from y = 1.5 down to 0.5 + 0.004
+  for (const int column : {511, 512}) {
+    EXPECT_NEAR(values[row * 1000 + column], GroundHeight(x_of_column(column), 0.502), 1e-5);
+  }
+}
+
+TEST_F(Rasters, HaveEqualBytesWheneverTheyAreWritten) {
+  const PointCloud cloud = MapCloud(kCell);
+  Write(cloud);
+  const std::string height = ReadTextFile(folder_.Path() / "height.tif");
+  const std::string ortho = ReadTextFile(folder_.Path() / "ortho.tif");
+  Write(cloud);
+  EXPECT_TRUE(ReadTextFile(folder_.Path() / "height.tif") == height);
+  EXPECT_TRUE(ReadTextFile(folder_.Path() / "ortho.tif") == ortho);
+  EXPECT_THAT(NamesIn(folder_.Path()),
+              UnorderedElementsAre("dense.ply", "height.tif", "ortho.tif"));
+  // In another folder and from a cloud in another order.
+  PointCloud shuffled = cloud;
+  std::shuffle(shuffled.begin(), shuffled.end(), std::mt19937(7));
+  const TemporaryFolder other;
+  WriteSurfaceRasters(WriteCloud(other.Path() / "elsewhere.ply", shuffled), other.Path(), options_);
+  EXPECT_TRUE(ReadTextFile(other.Path() / "height.tif") == height);
+  EXPECT_TRUE(ReadTextFile(other.Path() / "ortho.tif") == ortho);
+  EXPECT_THAT(height, testing::Not(HasSubstr(folder_.Path().filename().string())));
+}
+
+TEST_F(Rasters, LieWhereTheCallerSays) {
+  OGRSpatialReference utm;
+  utm.SetFromUserInput("EPSG:32631");
+  char* text = nullptr;
+  utm.exportToWkt(&text);
+  Georeference georeference;
+  georeference.wkt = text;
+  CPLFree(text);
+  georeference.map_from_world = Eigen::Translation2d(590000.0, 5790000.0) * Eigen::Rotation2Dd(0.3);
+  Write(MapCloud(kCell), georeference);
+  const auto height = Height();
+  ASSERT_NE(height->GetSpatialRef(), nullptr);
+  EXPECT_TRUE(height->GetSpatialRef()->IsSame(&utm));
+  std::array<double, 6> t{};
+  ASSERT_EQ(height->GetGeoTransform(t.data()), CE_None);
+  const Eigen::Vector2d expected = georeference.map_from_world * Eigen::Vector2d(0.2, 0.5);
+  const double column = 1.2 / kCell, row = 1.0 / kCell;
+  EXPECT_NEAR(t[0] + column * t[1] + row * t[2], expected.x(), 1e-6);  // m
+  EXPECT_NEAR(t[3] + column * t[4] + row * t[5], expected.y(), 1e-6);
+}
+
+TEST_F(Rasters, PassOverPointsThatAreNowhere) {
+  PointCloud cloud = MapCloud(kCell);
+  cloud.push_back(MapPoint(NAN, 0.0, 0.0));
+  cloud.push_back(MapPoint(0.0, INFINITY, 0.0));
+  EXPECT_EQ(Write(cloud).measured_cells, 20000U);
+}
+
+TEST_F(Rasters, RefuseBadCloudsByNameAndLeaveTheOldFiles) {
+  const auto ply = folder_.Path() / "dense.ply";
+  const auto complaint = [&] {
+    return MessageOf<DataError>([&] { WriteSurfaceRasters(ply, folder_.Path(), options_); });
+  };
+  WriteTestFile(folder_.Path() / "height.tif", "old");
+  EXPECT_THAT(complaint(), HasSubstr("dense.ply: cannot read"));
+  WriteTestFile(ply, "ply\nnonsense");
+  EXPECT_THAT(complaint(), HasSubstr("dense.ply: expected"));
+  WriteCloud(ply, {});
+  EXPECT_THAT(complaint(), HasSubstr("dense.ply: expected points, found none"));
+  WriteCloud(ply, {MapPoint(0.0, 0.0, 0.0), MapPoint(1e7, 1e7, 0.0)});
+  EXPECT_THAT(complaint(), HasSubstr("dense.ply: expected a cloud of at most 1e+11 cells"));
+  EXPECT_THAT(NamesIn(folder_.Path()), UnorderedElementsAre("dense.ply", "height.tif"));
+  EXPECT_EQ(ReadTextFile(folder_.Path() / "height.tif"), "old");
+}
+
+TEST_F(Rasters, LeaveNothingBehindWhenTheyCannotBeWritten) {
+  Georeference nonsense;
+  nonsense.wkt = "no coordinate system";
+  EXPECT_THROW(Write(MapCloud(kCell), nonsense), DataError);
+  EXPECT_THAT(NamesIn(folder_.Path()), UnorderedElementsAre("dense.ply"));
+}
+
+TEST_F(Rasters, RefuseOptionsOutOfRange) {
+  options_.cell_m = 0.0;
+  EXPECT_THROW(Write(MapCloud(kCell)), UsageError);
+  options_ = {.max_hole_cells = -1};
+  EXPECT_THROW(Write(MapCloud(kCell)), UsageError);
+  options_ = {.picture_px = 10};
+  EXPECT_THROW(Write(MapCloud(kCell)), UsageError);
+}
+
+}  // namespace
+}  // namespace rigmap
