@@ -6,8 +6,9 @@
 
 #include "core/error.h"
 #include "core/file.h"
-#include "evaluation/trajectory_metrics.h"
 #include "export/tum.h"
+#include "workflows/compare_result.h"
+#include "workflows/format_metrics.h"
 #include "workflows/part_options.h"
 
 namespace rigmap {
@@ -18,8 +19,8 @@ nlohmann::ordered_json Metrics(const EvaluateRequest& request) {
     const auto config = request.out / "config.yaml";
     const PartOptions options =
         std::filesystem::exists(config) ? LoadPartOptions(config, {}) : PartOptions();
-    return ToJson(CompareTrajectories(ReadTum(request.out / "trajectory.tum"),
-                                      ReadTum(TruthFile(*request.truth)), options.evaluation));
+    return CompareWithTruth(ReadTum(request.out / "trajectory.tum"), TruthFile(*request.truth),
+                            request.out / "dense.ply", options);
   }
   const auto path = request.out / "evaluation.json";
   if (!std::filesystem::exists(path)) {
@@ -43,11 +44,7 @@ std::filesystem::path TruthFile(const std::filesystem::path& truth) {
 std::string EvaluatePart(const EvaluateRequest& request) {
   const auto metrics = Metrics(request);
   if (request.json) return metrics.dump() + "\n";
-  std::string table;
-  for (const auto& [name, value] : metrics.items()) {
-    table += fmt::format("{:<16} {}\n", name, value.dump());
-  }
-  return table;
+  return FormatMetrics(metrics);
 }
 
 }  // namespace rigmap

@@ -55,7 +55,10 @@ std::vector<fs::path> OutputLayout::PublishedBy(const std::string& stage) const 
             Sparse(),
             root / "sparse.ply"};
   }
-  if (stage == "fusion") return {root / "dense.ply"};
+  if (stage == "fusion") {
+    return {root / "dense.ply",    root / "height.tif",    root / "ortho.tif",
+            root / "view_top.png", root / "view_side.png", root / "view_oblique.png"};
+  }
   if (stage == "evaluation") return {root / "evaluation.json"};
   return {};
 }

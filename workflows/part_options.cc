@@ -58,12 +58,23 @@ void Assign(const std::string& assignment, const Sections& sections) {
 }  // namespace
 
 std::vector<std::pair<std::string, OptionFields>> PartOptions::Sections() {
-  return {{"masks", masks.Fields()},           {"features", features.Fields()},
-          {"odometry", odometry.Fields()},     {"matching", matching.Fields()},
-          {"colmap", colmap.Fields()},         {"mapping", mapping.Fields()},
-          {"scale", scale.Fields()},           {"adjustment", adjustment.Fields()},
-          {"dense", dense.Fields()},           {"fusion", fusion.Fields()},
-          {"evaluation", evaluation.Fields()}, {"gates", gates.Fields()}};
+  OptionFields rock_fields = rocks.Fields();
+  for (OptionField& field : rock_survey.Fields()) rock_fields.push_back(std::move(field));
+  return {{"masks", masks.Fields()},
+          {"features", features.Fields()},
+          {"odometry", odometry.Fields()},
+          {"matching", matching.Fields()},
+          {"colmap", colmap.Fields()},
+          {"mapping", mapping.Fields()},
+          {"scale", scale.Fields()},
+          {"adjustment", adjustment.Fields()},
+          {"dense", dense.Fields()},
+          {"fusion", fusion.Fields()},
+          {"raster", raster.Fields()},
+          {"evaluation", evaluation.Fields()},
+          {"georeference", georeference.Fields()},
+          {"rocks", std::move(rock_fields)},
+          {"gates", gates.Fields()}};
 }
 
 void PartOptions::Validate() const {
@@ -77,7 +88,11 @@ void PartOptions::Validate() const {
   adjustment.Validate();
   dense.Validate();
   fusion.Validate();
+  raster.Validate();
   evaluation.Validate();
+  georeference.Validate();
+  rocks.Validate();
+  rock_survey.Validate();
   gates.Validate();
 }
 

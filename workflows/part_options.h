@@ -10,13 +10,17 @@
 #include "adjustment/adjustment_options.h"
 #include "colmap/installation.h"
 #include "dense/dense_options.h"
+#include "evaluation/rock_segmentation.h"
+#include "evaluation/rock_survey.h"
 #include "evaluation/trajectory_metrics.h"
 #include "features/feature_options.h"
 #include "fusion/fusion_options.h"
+#include "georeference/rtk_alignment.h"
 #include "imaging/mask.h"
 #include "mapping/mapping_options.h"
 #include "matching/matching_options.h"
 #include "odometry/odometry_options.h"
+#include "raster/raster_options.h"
 #include "scale/scale_options.h"
 #include "workflows/gates.h"
 
@@ -33,7 +37,11 @@ struct PartOptions {
   AdjustmentOptions adjustment;
   DenseOptions dense;
   FusionOptions fusion;
+  RasterOptions raster;  // its cells are the voxels of fusion
   EvaluationOptions evaluation;
+  RtkAlignmentOptions georeference;
+  RockSegmentationOptions rocks;  // one section with the next
+  RockSurveyOptions rock_survey;
   GateOptions gates;
 
   // Section names with their fields, in the order of the file.

@@ -77,16 +77,17 @@ class PartStages {
                       const KeyframeGraph& graph, const PlacedKeyframes& placed) const;
   DepthIndex MatchDense(const Dataset& dataset, const FeatureIndex& features,
                         const AdjustedPart& part) const;
-  // Leaves dense.ply.
+  // Leaves dense.ply, and, if it has any point, height.tif, ortho.tif and view_*.png.
   void Fuse(const Dataset& dataset, const AdjustedPart& part, const DepthIndex& depths) const;
-  // Leaves evaluation.json where there is a truth.
+  // Leaves evaluation.json where there is a truth or there are satellite fixes.
   void Evaluate(const Dataset& dataset, const AdjustedPart& part) const;
 
  private:
   FrameFeatures LoadFeatures(const Dataset& dataset, const FeatureIndex& index, int frame) const;
   FeatureIndex ExtractAll(const Dataset& dataset, const std::string& options) const;
-  DepthIndex MatchAllDense(const Dataset& dataset, const AdjustedPart& part,
-                           const std::vector<int>& frames, const std::string& options) const;
+  DepthIndex MatchAllDense(const Dataset& dataset, const RigFixedCells& rig_fixed,
+                           const AdjustedPart& part, const std::vector<int>& frames,
+                           const std::string& options) const;
 
   const PartRequest& request_;
   ColmapInstallation colmap_;

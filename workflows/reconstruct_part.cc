@@ -1,5 +1,6 @@
 #include "workflows/reconstruct_part.h"
 
+#include <malloc.h>
 #include <spdlog/spdlog.h>
 #include <tbb/global_control.h>
 
@@ -21,12 +22,13 @@ std::string DatasetIdentity(const Dataset& dataset) {
   return std::filesystem::path(dataset.frames.front().left_path).parent_path().string();
 }
 
-// The whole method. Each stage turns what is before it into one product, keeps it, skips the work
-// if an earlier run did it, and publishes what users read (part_stages.h says what).
-void Reconstruct(const Dataset& dataset, const PartStages& stage) {
-  // frames with stamps -> keypoints with stereo partners -> metric motion from frame to keyframe
-  stage.TakeUp(dataset);
-  const FeatureIndex features = stage.Extract(dataset);
+// The whole method, in two halves. Each stage turns what is before it into one product, keeps it,
+// skips the work if an earlier run did it, and publishes what users read (part_stages.h says what).
+
+// Images -> poses. Matches and models are let go here, since the other half needs the memory.
+AdjustedPart Localise(const Dataset& dataset, const FeatureIndex& features,
+                      const PartStages& stage) {
+  // keypoints with stereo partners -> metric motion from frame to keyframe
   const Odometry odometry = stage.Track(dataset, features);
 
   // verified correspondences -> COLMAP's database -> poses in COLMAP's gauge -> metres
@@ -36,7 +38,14 @@ void Reconstruct(const Dataset& dataset, const PartStages& stage) {
   const PlacedKeyframes placed = stage.Scale(dataset, odometry, graph, models);
 
   // one pose per frame, the rig held -> trajectory and sparse model
-  const AdjustedPart part = stage.Adjust(dataset, features, odometry, matches, graph, placed);
+  return stage.Adjust(dataset, features, odometry, matches, graph, placed);
+}
+
+void Reconstruct(const Dataset& dataset, const PartStages& stage) {
+  stage.TakeUp(dataset);
+  const FeatureIndex features = stage.Extract(dataset);
+  const AdjustedPart part = Localise(dataset, features, stage);
+  malloc_trim(0);  // what Localise let go, in small pieces, back to the system
 
   // depth of the keyframes, fused on the poses -> coloured map
   const DepthIndex depths = stage.MatchDense(dataset, features, part);

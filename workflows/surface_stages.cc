@@ -14,6 +14,9 @@
 #include "export/ply.h"
 #include "export/tum.h"
 #include "fusion/depth_fusion.h"
+#include "raster/surface_rasters.h"
+#include "raster/surface_views.h"
+#include "workflows/compare_result.h"
 #include "workflows/gates.h"
 #include "workflows/part_stages.h"
 
@@ -21,6 +24,18 @@ namespace rigmap {
 namespace {
 
 namespace fs = std::filesystem;
+
+// What is kept of the map beside the map itself.
+struct FusedMap {
+  std::string hash;
+  std::uint64_t points = 0;
+  std::vector<int> frames_left_out;
+
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(hash, points, frames_left_out);
+  }
+};
 
 std::optional<double> MedianOfKnown(const std::vector<std::optional<double>>& values) {
   std::vector<double> known;
@@ -65,6 +80,19 @@ std::vector<std::vector<Eigen::Vector3d>> PointsInLeft(const Adjustment& adjustm
   return points;
 }
 
+// 255 but where the rover's own body or shadow is seen.
+cv::Mat LeftMask(const RigFixedCells& cells, const Camera& camera) {
+  cv::Mat mask(camera.height, camera.width, CV_8UC1, cv::Scalar(255));
+  for (std::size_t i = 0; i < cells.fixed.size(); ++i) {
+    if (cells.fixed[i] == 0) continue;
+    const int column = static_cast<int>(i) % cells.columns,
+              row = static_cast<int>(i) / cells.columns;
+    const cv::Rect cell(column * cells.cell_px, row * cells.cell_px, cells.cell_px, cells.cell_px);
+    mask(cell & cv::Rect(0, 0, mask.cols, mask.rows)).setTo(0);
+  }
+  return mask;
+}
+
 // How many frames may be dense-matched at once (DenseMatcher states what each needs).
 int DenseThreads(const StereoRig& rig, const PartRequest& request) {
   const Camera& camera = rig.left.camera;
@@ -73,14 +101,6 @@ int DenseThreads(const StereoRig& rig, const PartRequest& request) {
   const double frame_mb = 4e-6 * camera.width * camera.height * disparities;
   return std::clamp(static_cast<int>(request.memory_mb / std::max(frame_mb, 1.0)), 1,
                     request.threads);
-}
-
-void PublishCloud(const PointCloud& cloud, const fs::path& path) {
-  WriteFileAtomically(path, [&](std::ostream& stream) {
-    PlyWriter writer(stream);
-    writer.Write(cloud);
-    writer.Finish();
-  });
 }
 
 }  // namespace
@@ -102,21 +122,23 @@ DepthIndex PartStages::MatchDense(const Dataset& dataset, const FeatureIndex& fe
       .name = "dense",
       // The voxel decides which frames are sure enough.
       .options = options + fmt::format("{}", request_.options.fusion.voxel_m),
-      .make = [&] { return MatchAllDense(dataset, part, frames, options); },
+      .make = [&] { return MatchAllDense(dataset, features.rig_fixed, part, frames, options); },
       .report = report,
       .published = files,
   });
 }
 
-DepthIndex PartStages::MatchAllDense(const Dataset& dataset, const AdjustedPart& part,
-                                     const std::vector<int>& frames,
+DepthIndex PartStages::MatchAllDense(const Dataset& dataset, const RigFixedCells& rig_fixed,
+                                     const AdjustedPart& part, const std::vector<int>& frames,
                                      const std::string& options) const {
   DepthIndex index;
   index.frames = frames;
   index.keys.resize(index.frames.size());
-  const DenseMatcher matcher(part.adjustment.rig, request_.options.dense, request_.options.masks);
+  const DenseMatcher matcher(part.adjustment.rig, request_.options.dense, request_.options.masks,
+                             LeftMask(rig_fixed, part.adjustment.rig.left.camera));
   const auto points = PointsInLeft(part.adjustment);
-  const std::string rig = DescribeRig(part.adjustment.rig);
+  const std::string views = DescribeRig(part.adjustment.rig) +
+                            std::string(rig_fixed.fixed.begin(), rig_fixed.fixed.end());
   std::vector<std::optional<double>> biases(index.frames.size());
   Progress progress("dense", index.frames.size());
   tbb::task_arena arena(DenseThreads(dataset.rig, request_));
@@ -124,7 +146,7 @@ DepthIndex PartStages::MatchAllDense(const Dataset& dataset, const AdjustedPart&
     tbb::parallel_for(std::size_t{0}, index.frames.size(), [&](std::size_t i) {
       const StereoFrame& frame = dataset.frames[index.frames[i]];
       const fs::path path = run_.layout().DepthOf(frame);
-      index.keys[i] = HashText(rig + options + DescribeFrame(frame));
+      index.keys[i] = HashText(views + options + DescribeFrame(frame));
       std::optional<DepthMap> depth;
       if (run_.MayReuse("dense")) depth = LoadDepth(path, index.keys[i]);
       if (!depth) {
@@ -142,7 +164,9 @@ DepthIndex PartStages::MatchAllDense(const Dataset& dataset, const AdjustedPart&
 void PartStages::Fuse(const Dataset& dataset, const AdjustedPart& part,
                       const DepthIndex& depths) const {
   FusionOptions options = request_.options.fusion;
-  const fs::path ply = run_.layout().root / "dense.ply";
+  RasterOptions raster = request_.options.raster;
+  raster.cell_m = options.voxel_m;
+  const fs::path root = run_.layout().root, ply = root / "dense.ply";
   const auto make = [&] {
     std::vector<PosedDepth> posed;
     for (std::size_t i = 0; i < depths.frames.size(); ++i) {
@@ -152,41 +176,72 @@ void PartStages::Fuse(const Dataset& dataset, const AdjustedPart& part,
     }
     // A single frame has nobody to agree with.
     options.min_views = std::min(options.min_views, std::max(1, static_cast<int>(posed.size())));
-    const PointCloud cloud = FuseDepthMaps(posed, options);
-    PublishCloud(cloud, ply);
-    return HashFile(ply);
+    FusedMap fused;
+    WriteFileAtomically(ply, [&](std::ostream& stream) {
+      PlyWriter writer(stream);
+      const auto take = [&](std::span<const SurfacePoint> points) { writer.Write(points); };
+      for (const std::size_t i :
+           FuseDepthMaps(posed, options, {run_.layout().Scratch() / "tiles", take})) {
+        fused.frames_left_out.push_back(depths.frames[i]);
+      }
+      writer.Finish();
+      fused.points = writer.point_count();
+    });
+    fs::remove_all(run_.layout().Scratch());
+    fused.hash = HashFile(ply);
+    if (fused.points > 0) {
+      WriteSurfaceRasters(ply, root, raster);
+      WriteSurfaceViews(ply, part.trajectory, root, raster);
+    }
+    return fused;
+  };
+  const auto report = [&](const FusedMap& fused) {
+    for (const int frame : fused.frames_left_out) {
+      summary_.AddRemarks({fmt::format(
+          "frame {} is left out of the map: its depth or pose disagrees with its neighbours'",
+          dataset.frames[frame].stamp_ns)});
+    }
   };
   // The map itself is the product; what is kept beside it is its hash.
-  run_.Run(Stage<std::string>{
+  run_.Run(Stage<FusedMap>{
       .name = "fusion",
-      .options = OptionsText(request_.options.fusion),
+      .options = OptionsText(request_.options.fusion) + OptionsText(request_.options.raster),
       .make = make,
-      .published = {ply},
+      .report = report,
+      .published = run_.layout().PublishedBy("fusion"),
   });
 }
 
 void PartStages::Evaluate(const Dataset& dataset, const AdjustedPart& part) const {
-  const auto& options = request_.options.evaluation;
+  const PartOptions& options = request_.options;
   const std::string& truth = dataset.truth_path;
-  const fs::path json = run_.layout().root / "evaluation.json";
+  const fs::path root = run_.layout().root, json = root / "evaluation.json";
   const auto make = [&]() -> std::string {
-    if (truth.empty()) return "";
-    std::vector<TumPose> estimate;
-    for (const TimedPose& pose : part.trajectory) {
-      estimate.push_back({pose.stamp_ns, pose.world_from_left});
+    nlohmann::ordered_json metrics;
+    if (!truth.empty()) {
+      std::vector<TumPose> estimate;
+      for (const TimedPose& pose : part.trajectory) {
+        estimate.push_back({pose.stamp_ns, pose.world_from_left});
+      }
+      metrics = CompareWithTruth(estimate, truth, root / "dense.ply", options);
     }
-    return ToJson(CompareTrajectories(estimate, ReadTum(truth), options)).dump(1) + "\n";
+    const auto survey = CompareWithSurvey(part.trajectory, dataset, root / "dense.ply", options);
+    if (!survey.is_null()) metrics.update(survey);
+    return metrics.is_null() ? "" : metrics.dump(1) + "\n";
   };
   const auto publish = [&](const std::string& metrics) {
     if (metrics.empty()) return;
     WriteFileAtomically(json, [&](std::ostream& stream) { stream << metrics; });
   };
+  const bool has_any = !truth.empty() || (!dataset.fixes.empty() && dataset.rig.antenna_in_left);
   run_.Run(Stage<std::string>{
       .name = "evaluation",
-      .options = OptionsText(options) + HashText(truth.empty() ? "" : ReadTextFile(truth)),
+      .options = OptionsText(options.evaluation) + OptionsText(options.georeference) +
+                 OptionsText(options.rocks) + OptionsText(options.rock_survey) +
+                 (truth.empty() ? "" : DescribeTruth(truth)) + DescribeSurvey(dataset),
       .make = make,
       .publish = publish,
-      .published = truth.empty() ? std::vector<fs::path>() : std::vector<fs::path>{json},
+      .published = has_any ? std::vector<fs::path>{json} : std::vector<fs::path>(),
   });
 }
 

@@ -7,9 +7,11 @@
 #include <vector>
 
 #include "core/error.h"
+#include "dataset/gnss_file.h"
 #include "dataset/inclinometer.h"
 #include "dataset/katwijk.h"
 #include "dataset/rig_file.h"
+#include "dataset/rock_file.h"
 #include "dataset/stereo_folder.h"
 #include "imaging/image.h"
 
@@ -73,10 +75,26 @@ struct Opened {
   fs::path default_rig;  // empty: none
 };
 
+// Fixes and surveyed rocks are for judging a result: it can be made without them.
+void ReadSurvey(const KatwijkPart& part, Dataset& dataset) {
+  auto& remarks = dataset.health.remarks;
+  try {
+    if (auto reading = ReadGnss(part.folder)) {
+      dataset.fixes = std::move(reading->fixes);
+      remarks.insert(remarks.end(), reading->remarks.begin(), reading->remarks.end());
+    }
+    dataset.surveyed_rocks = ReadRockSurvey(part);
+  } catch (const DataError& error) {
+    remarks.push_back(fmt::format("{}; the result is not compared with it", error.what()));
+  }
+}
+
 Opened OpenKatwijk(const DatasetRequest& request, const fs::path& folder) {
   const KatwijkPart part = SelectKatwijkPart(folder, request.traverse, request.part);
   const fs::path above = part.folder.parent_path();
-  return {ReadKatwijkFrames(part),
+  Dataset dataset = ReadKatwijkFrames(part);
+  ReadSurvey(part, dataset);
+  return {std::move(dataset),
           {folder, part.folder, above, above.parent_path()},
           part.folder / "imu.txt",
           request.default_loccam_rig};

@@ -3,12 +3,13 @@
 #include <opencv2/imgproc.hpp>
 
 #include "dense/disparity.h"
+#include "dense/refinement.h"
 #include "imaging/image.h"
 
 namespace rigmap {
 
 DenseMatcher::DenseMatcher(const StereoRig& rig, const DenseOptions& options,
-                           const MaskOptions& mask_options)
+                           const MaskOptions& mask_options, const cv::Mat& left_mask)
     : rig_(rig),
       options_(options),
       mask_options_(mask_options),
@@ -17,6 +18,7 @@ DenseMatcher::DenseMatcher(const StereoRig& rig, const DenseOptions& options,
       right_static_(StaticMask(rig.right)) {
   options_.Validate();
   mask_options_.Validate();
+  if (!left_mask.empty()) cv::bitwise_and(left_static_, left_mask, left_static_);
 }
 
 DepthMap DenseMatcher::Compute(const StereoFrame& frame) const {
@@ -34,13 +36,18 @@ DepthMap DenseMatcher::Compute(const StereoFrame& frame) const {
   map.camera = rectifier_.RectifiedCamera();
   map.left_from_rectified.rotation = rectifier_.LeftFromRectified();
   map.baseline_m = rectifier_.BaselineM();
-  map.disparity_sigma_px = options_.disparity_sigma_px;
   map.colour = rectifier_.RectifyLeft(colour);
   const double nearest_px = map.camera.fx * map.baseline_m / options_.min_depth_m;
   const double farthest_px =
       map.camera.fx * map.baseline_m / options_.MaxDepth(map.camera.fx, map.baseline_m);
-  map.disparity = MatchDisparity(pair, nearest_px, options_);
-  map.disparity.setTo(0.0, (map.disparity < farthest_px) | (map.disparity > nearest_px));
+  const cv::Mat matched = MatchDisparity(pair, nearest_px, options_);
+  RefinedDisparity refined = RefineDisparity(pair.left, pair.right, matched, options_);
+  map.disparity = std::move(refined.disparity);
+  map.disparity_sigma = std::move(refined.sigma);
+  // A depth's sigma is z^2 / (f b) sigma_d, with z = f b / d.
+  const double most = options_.max_depth_sigma_m / (map.camera.fx * map.baseline_m);
+  const cv::Mat unsure = map.disparity_sigma > most * map.disparity.mul(map.disparity);
+  map.disparity.setTo(0.0, unsure | (map.disparity < farthest_px) | (map.disparity > nearest_px));
   return map;
 }
 

@@ -14,11 +14,14 @@ namespace rigmap {
 // MatchDisparity states.
 class DenseMatcher {
  public:
-  // Throws UsageError for invalid options, DataError for a rig whose masks cannot be read.
-  DenseMatcher(const StereoRig& rig, const DenseOptions& options, const MaskOptions& mask_options);
+  // `left_mask`: pixels of the left image that may be used in any frame (CV_8UC1, 255 or 0; empty:
+  // all), besides what the rig itself says. Throws UsageError for invalid options, DataError for a
+  // rig whose masks cannot be read.
+  DenseMatcher(const StereoRig& rig, const DenseOptions& options, const MaskOptions& mask_options,
+               const cv::Mat& left_mask = {});
 
-  // Reads both images, rectifies, matches and keeps what is usable, between min_depth_m and the
-  // largest depth of the options. Throws DataError for images that cannot be read.
+  // Reads both images, rectifies, matches, refines and keeps what is usable, between min_depth_m
+  // and the largest depth of the options. Throws DataError for images that cannot be read.
   DepthMap Compute(const StereoFrame& frame) const;
 
  private:

@@ -17,6 +17,10 @@ OptionFields DenseOptions::Fields() {
           {"left_right_px", &left_right_px},
           {"speckle_size_px", &speckle_size_px},
           {"speckle_step_px", &speckle_step_px},
+          {"refinement_px", &refinement_px},
+          {"smoothing_px", &smoothing_px},
+          {"refined_sigma_factor", &refined_sigma_factor},
+          {"least_sigma_px", &least_sigma_px},
           {"min_depth_m", &min_depth_m},
           {"disparity_sigma_px", &disparity_sigma_px},
           {"max_range_m", &max_range_m},
@@ -38,6 +42,13 @@ void DenseOptions::Validate() const {
   RequireOption(left_right_px >= 0, "dense.left_right_px", "at least 0", left_right_px);
   RequireOption(speckle_size_px >= 0, "dense.speckle_size_px", "at least 0", speckle_size_px);
   RequireOption(speckle_step_px >= 1, "dense.speckle_step_px", "at least 1", speckle_step_px);
+  RequireOption(refinement_px >= 3 && refinement_px % 2 == 1, "dense.refinement_px",
+                "an odd number of at least 3", refinement_px);
+  RequireOption(smoothing_px >= 1 && smoothing_px % 2 == 1, "dense.smoothing_px", "an odd number",
+                smoothing_px);
+  RequireOption(refined_sigma_factor > 0.0, "dense.refined_sigma_factor", "above 0",
+                refined_sigma_factor);
+  RequireOption(least_sigma_px > 0.0, "dense.least_sigma_px", "above 0", least_sigma_px);
   RequireOption(min_depth_m > 0.0, "dense.min_depth_m", "above 0", min_depth_m);
   RequireOption(disparity_sigma_px > 0.0, "dense.disparity_sigma_px", "above 0",
                 disparity_sigma_px);

@@ -1,93 +1,107 @@
 #include "fusion/depth_fusion.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
-#include <cmath>
 #include <map>
-#include <numbers>
 #include <optional>
-#include <utility>
-#include <vector>
 
-#include "core/error.h"
 #include "core/progress.h"
+#include "core/statistics.h"
+#include "fusion/frame_comparison.h"
+#include "fusion/tiled_grid.h"
+#include "fusion/view_cache.h"
 #include "fusion/view_consistency.h"
-#include "fusion/voxel_grid.h"
 
 namespace rigmap {
 namespace {
 
-DepthView Load(const PosedDepth& depth) {
-  std::optional<DepthMap> map = LoadDepth(depth.path, depth.key);
-  if (!map) {
-    throw DataError(fmt::format("{}: expected the depth map with key {}, found none",
-                                depth.path.string(), depth.key));
-  }
-  const Rigid3 world_from_rectified = depth.world_from_left * map->left_from_rectified;
-  return {std::move(*map), world_from_rectified};
-}
-
-// The frames that are nearest in place and look the same way, nearest first.
-std::vector<std::size_t> NeighboursOf(std::size_t reference, std::span<const PosedDepth> depths,
-                                      const FusionOptions& options) {
-  const Rigid3& own = depths[reference].world_from_left;
-  const double least_cosine = std::cos(options.max_neighbour_angle_deg * std::numbers::pi / 180.0);
-  std::vector<std::pair<double, std::size_t>> candidates;
-  for (std::size_t i = 0; i < depths.size(); ++i) {
-    const Rigid3& other = depths[i].world_from_left;
-    const double cosine =
-        (own.rotation * Eigen::Vector3d::UnitZ()).dot(other.rotation * Eigen::Vector3d::UnitZ());
-    if (i == reference || cosine < least_cosine) continue;
-    candidates.emplace_back((own.translation - other.translation).norm(), i);
-  }
-  std::sort(candidates.begin(), candidates.end());
-  candidates.resize(std::min(candidates.size(), static_cast<std::size_t>(options.neighbours)));
-  std::vector<std::size_t> neighbours;
-  for (const auto& [distance_m, i] : candidates) neighbours.push_back(i);
-  return neighbours;
-}
-
-// The depth maps in memory: those that the present frame asks for, no others.
-class LoadedViews {
+class DepthFusion {
  public:
-  explicit LoadedViews(std::span<const PosedDepth> depths) : depths_(depths) {}
-
-  void Keep(const std::vector<std::size_t>& wanted) {
-    std::erase_if(views_, [&](const auto& entry) {
-      return std::find(wanted.begin(), wanted.end(), entry.first) == wanted.end();
-    });
-    for (const std::size_t i : wanted) {
-      if (!views_.contains(i)) views_.emplace(i, Load(depths_[i]));
-    }
+  DepthFusion(std::span<const PosedDepth> depths, const FusionOptions& options)
+      : options_(options), views_(depths, kCachedViews) {
+    for (const PosedDepth& depth : depths) world_from_left_.push_back(depth.world_from_left);
   }
-  const DepthView& At(std::size_t i) const { return views_.at(i); }
+
+  bool IsSound(std::size_t frame) {
+    const auto known = soundness_.find(frame);
+    if (known != soundness_.end()) return known->second;
+    return soundness_[frame] = AgreesAsOthersDo(frame);
+  }
+
+  // The reference and those with which it is compared have to be sound.
+  std::vector<SurfaceSample> Samples(std::size_t reference) {
+    FrameComparison compared = CompareWith(reference, world_from_left_, options_);
+    const auto is_unsound = [this](std::size_t frame) { return !IsSound(frame); };
+    std::erase_if(compared.near, is_unsound);
+    std::erase_if(compared.ahead, is_unsound);
+    std::vector<std::size_t> frames{reference};
+    frames.insert(frames.end(), compared.near.begin(), compared.near.end());
+    frames.insert(frames.end(), compared.ahead.begin(), compared.ahead.end());
+    const auto views = views_.Get(frames);
+    const auto first_ahead = views.begin() + 1 + static_cast<std::ptrdiff_t>(compared.near.size());
+    return ConfirmedSamples(
+        *views[0], {{views.begin() + 1, first_ahead}, {first_ahead, views.end()}}, options_);
+  }
 
  private:
-  std::span<const PosedDepth> depths_;
-  std::map<std::size_t, DepthView> views_;
+  std::vector<std::size_t> Near(std::size_t frame) const {
+    return CompareWith(frame, world_from_left_, options_).near;
+  }
+
+  bool AgreesAsOthersDo(std::size_t frame) {
+    constexpr std::size_t kFewest = 3;  // neighbours, to tell which of two is wrong
+    constexpr double kShare = 0.5;
+    const auto own = AgreementOf(frame);
+    std::vector<double> others;
+    for (const std::size_t i : Near(frame)) {
+      if (const auto agreement = AgreementOf(i)) others.push_back(*agreement);
+    }
+    return !own || others.size() < kFewest || *own >= kShare * Median(std::move(others));
+  }
+
+  // With its neighbours, of which half agree with it better; nothing where it shares no view.
+  std::optional<double> AgreementOf(std::size_t frame) {
+    const auto known = agreements_.find(frame);
+    if (known != agreements_.end()) return known->second;
+    std::vector<std::size_t> frames{frame};
+    for (const std::size_t i : Near(frame)) frames.push_back(i);
+    const auto views = views_.Get(frames);
+    std::vector<double> shares;
+    for (std::size_t i = 1; i < views.size(); ++i) {
+      const auto share = AgreeingShare(*views[0], *views[i], options_);
+      if (share) shares.push_back(*share);
+    }
+    const auto agreement = shares.empty() ? std::nullopt : std::optional(Median(std::move(shares)));
+    agreements_.emplace(frame, agreement);
+    return agreement;
+  }
+
+  const FusionOptions& options_;
+  std::vector<Rigid3> world_from_left_;
+  ViewCache views_;
+  std::map<std::size_t, std::optional<double>> agreements_;
+  std::map<std::size_t, bool> soundness_;
 };
 
 }  // namespace
 
-PointCloud FuseDepthMaps(std::span<const PosedDepth> depths, const FusionOptions& options) {
+std::vector<std::size_t> FuseDepthMaps(std::span<const PosedDepth> depths,
+                                       const FusionOptions& options, const FusionTarget& target) {
   options.Validate();
-  VoxelGrid grid(options.voxel_m);
-  LoadedViews views(depths);
+  DepthFusion fusion(depths, options);
+  TiledGrid grid(options.voxel_m, target.scratch);
+  std::vector<std::size_t> left_out;
   Progress progress("fusion", depths.size());
-  for (std::size_t reference = 0; reference < depths.size(); ++reference) {
-    std::vector<std::size_t> wanted = NeighboursOf(reference, depths, options);
-    wanted.push_back(reference);
-    views.Keep(wanted);
-    wanted.pop_back();
-    std::vector<const DepthView*> neighbours;
-    for (const std::size_t i : wanted) neighbours.push_back(&views.At(i));
-    for (const SurfaceSample& sample : ConfirmedSamples(views.At(reference), neighbours, options)) {
-      grid.Add(sample);
+  for (std::size_t frame = 0; frame < depths.size(); ++frame) {
+    if (fusion.IsSound(frame)) {
+      for (const SurfaceSample& sample : fusion.Samples(frame)) grid.Add(sample);
+      grid.SetAside();
+    } else {
+      left_out.push_back(frame);
     }
     progress.Advance();
   }
-  return grid.Points(options.min_observations);
+  grid.Drain(options.min_observations, options.max_sigma_m, target.take);
+  return left_out;
 }
 
 }  // namespace rigmap

@@ -2,8 +2,10 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "fusion/fusion_options.h"
 #include "geometry/rigid3.h"
@@ -18,12 +20,24 @@ struct PosedDepth {
   Rigid3 world_from_left;
 };
 
-// Each depth map is compared with its neighbours, and what they confirm is averaged on a grid. One
-// point per voxel, ordered by voxel; normals point to the cameras. The order of the frames changes
-// the result by rounding only, the number of threads not at all.
+struct FusionTarget {
+  std::filesystem::path scratch;  // a folder that may be made, emptied and removed
+  std::function<void(std::span<const SurfacePoint>)> take;  // called for piece after piece
+};
+
+// Each depth map is compared with others, and what they confirm (view_consistency.h) is averaged on
+// a grid. One point per voxel, ordered by tile (tiled_grid.h) and voxel; normals point to the
+// cameras. The order of the frames changes the result by rounding only, the number of threads not
+// at all.
 //
-// Holds neighbours + 1 depth maps and one grid cell per voxel of the result. Throws DataError when
-// a depth map is missing, UsageError for invalid options.
-PointCloud FuseDepthMaps(std::span<const PosedDepth> depths, const FusionOptions& options);
+// A frame is left out, and its index returned, if it agrees with its neighbours on less than half
+// of the pixels on which they agree with theirs: its pose or its depth is wrong.
+//
+// Holds kCachedViews depth maps (11 bytes a pixel) and two million voxels (160 MB), whatever the
+// number of frames. Throws DataError when a depth map is missing or `scratch` cannot be written,
+// UsageError for invalid options.
+inline constexpr std::size_t kCachedViews = 40;
+std::vector<std::size_t> FuseDepthMaps(std::span<const PosedDepth> depths,
+                                       const FusionOptions& options, const FusionTarget& target);
 
 }  // namespace rigmap

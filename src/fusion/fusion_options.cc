@@ -5,6 +5,7 @@ namespace rigmap {
 void FusionOptions::Validate() const {
   RequireOption(voxel_m >= 1e-4, "fusion.voxel_m", "at least 0.0001", voxel_m);
   RequireOption(neighbours >= 0, "fusion.neighbours", "at least 0", neighbours);
+  RequireOption(ahead >= 0, "fusion.ahead", "at least 0", ahead);
   RequireOption(max_neighbour_angle_deg > 0.0 && max_neighbour_angle_deg <= 180.0,
                 "fusion.max_neighbour_angle_deg", "above 0, at most 180", max_neighbour_angle_deg);
   RequireOption(agreement_sigmas > 0.0, "fusion.agreement_sigmas", "above 0", agreement_sigmas);
@@ -13,6 +14,7 @@ void FusionOptions::Validate() const {
   RequireOption(better_view_share >= 0.0 && better_view_share <= 1.0, "fusion.better_view_share",
                 "0 to 1", better_view_share);
   RequireOption(min_observations >= 1, "fusion.min_observations", "at least 1", min_observations);
+  RequireOption(max_sigma_m > 0.0, "fusion.max_sigma_m", "above 0", max_sigma_m);
 }
 
 }  // namespace rigmap

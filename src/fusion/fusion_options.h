@@ -12,26 +12,35 @@ struct FusionOptions {
   // Frames, nearest in place, that each depth map is compared with. Eight span four frames to
   // either side: enough to average over, still the same rocks in view.
   int neighbours = 8;
+  // Further frames ahead, ever more apart, that are asked whether they see a point better or see
+  // through it. Six reach about twenty frames ahead.
+  int ahead = 6;
   // Largest angle (degrees) between the viewing directions of two frames that are compared.
   double max_neighbour_angle_deg = 60.0;
   // Depths agree if their difference is below this many of its standard deviations.
   double agreement_sigmas = 3.0;
   // Frames (itself included) that must agree on a point. One alone may be a false match.
   int min_views = 2;
-  // A frame leaves a point to a neighbour that agrees and sees it with less than this share of its
-  // own sigma. 0.85: a twelfth closer.
+  // A frame leaves a point to one that looks at it from nearer, where a disparity makes less than
+  // this share of the depth's sigma. 0.85: a twelfth closer.
   double better_view_share = 0.85;
   // Depth pixels (agreeing ones of neighbours included) below which a voxel is a stray.
   int min_observations = 4;
+  // Largest standard deviation (m) of a point, three voxels: of less certain ones every third
+  // beside a rock hangs in the air. Reached at about six metres with a baseline of 0.12 m and 840
+  // px.
+  double max_sigma_m = 0.03;
 
   OptionFields Fields() {
     return {{"voxel_m", &voxel_m},
             {"neighbours", &neighbours},
+            {"ahead", &ahead},
             {"max_neighbour_angle_deg", &max_neighbour_angle_deg},
             {"agreement_sigmas", &agreement_sigmas},
             {"min_views", &min_views},
             {"better_view_share", &better_view_share},
-            {"min_observations", &min_observations}};
+            {"min_observations", &min_observations},
+            {"max_sigma_m", &max_sigma_m}};
   }
   void Validate() const;  // throws UsageError
 };

@@ -18,93 +18,141 @@ struct Neighbour {
   Rigid3 reference_from_neighbour;
 };
 
+std::vector<Neighbour> Prepare(const DepthView& reference,
+                               std::span<const DepthView* const> views) {
+  std::vector<Neighbour> prepared;
+  for (const DepthView* view : views) {
+    const Rigid3 neighbour_from_reference =
+        view->world_from_rectified.Inverse() * reference.world_from_rectified;
+    prepared.push_back({&view->map, neighbour_from_reference, neighbour_from_reference.Inverse()});
+  }
+  return prepared;
+}
+
+// A measurement of the reference, in its rectified axes.
+struct Measurement {
+  Eigen::Vector3d x;
+  double sigma_m = 0.0;
+};
+
+enum class Verdict { kNone, kAgrees, kSeesThrough, kSeesSomethingNearer };
+
+struct Opinion {
+  Verdict verdict = Verdict::kNone;
+  bool is_better = false;  // sees the point from clearly nearer
+  Measurement own;         // of the neighbour, where it agrees
+};
+
+Opinion Ask(const Neighbour& neighbour, const Measurement& point, const FusionOptions& options) {
+  const DepthMap& map = *neighbour.map;
+  const Eigen::Vector3d x = neighbour.neighbour_from_reference * point.x;
+  if (x.z() <= 0.0) return {};
+  const int column = static_cast<int>(std::lround(map.camera.fx * x.x() / x.z() + map.camera.cx));
+  const int row = static_cast<int>(std::lround(map.camera.fy * x.y() / x.z() + map.camera.cy));
+  if (column < 0 || row < 0 || column >= map.disparity.cols || row >= map.disparity.rows) return {};
+  const double found_px = map.disparity.at<float>(row, column);
+  if (found_px <= 0.0) return {};
+  // Both depths are uncertain: compared where the sigma is known, in the neighbour's disparity.
+  const double expected_px = map.camera.fx * map.baseline_m / x.z();
+  const double found_sigma_px = map.disparity_sigma.at<float>(row, column);
+  const double sigma_px = std::hypot(found_sigma_px, expected_px / x.z() * point.sigma_m);
+  const double difference_px = found_px - expected_px;
+  Opinion opinion;
+  // Equal disparities have depth sigmas as the squares of the depths.
+  opinion.is_better = x.z() * x.z() < options.better_view_share * point.x.z() * point.x.z();
+  if (std::abs(difference_px) > options.agreement_sigmas * sigma_px) {
+    opinion.verdict = difference_px < 0.0 ? Verdict::kSeesThrough : Verdict::kSeesSomethingNearer;
+    return opinion;
+  }
+  opinion.verdict = Verdict::kAgrees;
+  opinion.own = {neighbour.reference_from_neighbour * map.PointInRectified(column, row, found_px),
+                 map.DepthSigma(found_px, found_sigma_px)};
+  return opinion;
+}
+
+// Whether the point is another frame's to give, or to deny.
+bool IsForABetterView(const Opinion& opinion) {
+  return opinion.is_better &&
+         (opinion.verdict == Verdict::kAgrees || opinion.verdict == Verdict::kSeesThrough);
+}
+
 // Sums over the measurements that agree on one point.
 struct Consensus {
   Eigen::Vector3d weighted_sum = Eigen::Vector3d::Zero();
   double weight = 0.0;
   int agreeing = 0, seeing_through = 0;
-  double own_sigma_m = 0.0;   // of the reference's measurement
-  double best_sigma_m = 0.0;  // of all that agree
 
-  void Agree(const Eigen::Vector3d& x, double sigma_m) {
-    weighted_sum += x / (sigma_m * sigma_m);
-    weight += 1.0 / (sigma_m * sigma_m);
-    best_sigma_m = std::min(best_sigma_m, sigma_m);
+  void Agree(const Measurement& measured) {
+    const double weight_of_it = 1.0 / (measured.sigma_m * measured.sigma_m);
+    weighted_sum += weight_of_it * measured.x;
+    weight += weight_of_it;
     ++agreeing;
   }
 };
 
-void Consult(const Neighbour& neighbour, const Eigen::Vector3d& x_in_reference,
-             double agreement_sigmas, Consensus& consensus) {
-  const DepthMap& map = *neighbour.map;
-  const Eigen::Vector3d x = neighbour.neighbour_from_reference * x_in_reference;
-  if (x.z() <= 0.0) return;
-  const int column = static_cast<int>(std::lround(map.camera.fx * x.x() / x.z() + map.camera.cx));
-  const int row = static_cast<int>(std::lround(map.camera.fy * x.y() / x.z() + map.camera.cy));
-  if (column < 0 || row < 0 || column >= map.disparity.cols || row >= map.disparity.rows) return;
-  const double found_px = map.disparity.at<float>(row, column);
-  if (found_px <= 0.0) return;
-  // Both depths are uncertain: compared where the sigma is known, in the neighbour's disparity.
-  const double expected_px = map.camera.fx * map.baseline_m / x.z();
-  const double sigma_px =
-      std::hypot(map.disparity_sigma_px, expected_px / x.z() * consensus.own_sigma_m);
-  const double difference_px = found_px - expected_px;
-  if (std::abs(difference_px) <= agreement_sigmas * sigma_px) {
-    consensus.Agree(
-        neighbour.reference_from_neighbour * map.PointInRectified(column, row, found_px),
-        map.DepthSigma(found_px));
-  } else if (difference_px < 0.0) {
-    ++consensus.seeing_through;
+struct Views {
+  std::vector<Neighbour> near, ahead;
+};
+
+// Nothing where the neighbours do not confirm the measurement, or have a better one.
+std::optional<Consensus> Confirm(const Measurement& measured, const Views& views,
+                                 const FusionOptions& options) {
+  for (const Neighbour& view : views.ahead) {
+    if (IsForABetterView(Ask(view, measured, options))) return std::nullopt;
   }
+  Consensus consensus;
+  consensus.Agree(measured);
+  for (const Neighbour& view : views.near) {
+    const Opinion opinion = Ask(view, measured, options);
+    if (IsForABetterView(opinion)) return std::nullopt;
+    if (opinion.verdict == Verdict::kAgrees) consensus.Agree(opinion.own);
+    if (opinion.verdict == Verdict::kSeesThrough) ++consensus.seeing_through;
+  }
+  const bool confirmed =
+      consensus.agreeing >= options.min_views && 2 * consensus.seeing_through <= consensus.agreeing;
+  return confirmed ? std::optional(consensus) : std::nullopt;
 }
 
-std::optional<SurfaceSample> SampleAt(const DepthView& reference,
-                                      std::span<const Neighbour> neighbours, cv::Point pixel,
-                                      const FusionOptions& options) {
-  const DepthMap& map = reference.map;
+// Nothing where the disparity is unknown.
+std::optional<Measurement> MeasurementAt(const DepthMap& map, cv::Point pixel) {
   const double disparity_px = map.disparity.at<float>(pixel);
   if (disparity_px <= 0.0) return std::nullopt;
-  const double sigma_m = map.DepthSigma(disparity_px);
-  const Eigen::Vector3d x = map.PointInRectified(pixel.x, pixel.y, disparity_px);
-  Consensus consensus;
-  consensus.own_sigma_m = consensus.best_sigma_m = sigma_m;
-  consensus.Agree(x, sigma_m);
-  for (const Neighbour& neighbour : neighbours) {
-    Consult(neighbour, x, options.agreement_sigmas, consensus);
-  }
-  if (consensus.agreeing < options.min_views || consensus.seeing_through > consensus.agreeing ||
-      consensus.best_sigma_m < options.better_view_share * sigma_m) {
-    return std::nullopt;
-  }
+  return Measurement{map.PointInRectified(pixel.x, pixel.y, disparity_px),
+                     map.DepthSigma(disparity_px, map.disparity_sigma.at<float>(pixel))};
+}
+
+std::optional<SurfaceSample> SampleAt(const DepthView& reference, const Views& views,
+                                      cv::Point pixel, const FusionOptions& options) {
+  const DepthMap& map = reference.map;
+  const auto measured = MeasurementAt(map, pixel);
+  if (!measured) return std::nullopt;
+  const auto consensus = Confirm(*measured, views, options);
+  if (!consensus) return std::nullopt;
   SurfaceSample sample;
-  sample.x_in_world = reference.world_from_rectified * (consensus.weighted_sum / consensus.weight);
+  sample.x_in_world =
+      reference.world_from_rectified * (consensus->weighted_sum / consensus->weight);
   sample.normal =
       (reference.world_from_rectified.rotation * NormalInRectified(map, pixel.y, pixel.x))
           .cast<float>();
   const cv::Vec3b bgr = map.colour.at<cv::Vec3b>(pixel);
   sample.rgb = {bgr[2], bgr[1], bgr[0]};
-  sample.sigma_m = static_cast<float>(1.0 / std::sqrt(consensus.weight));
-  sample.observations = consensus.agreeing;
+  sample.sigma_m = static_cast<float>(1.0 / std::sqrt(consensus->weight));
+  sample.observations = consensus->agreeing;
   return sample;
 }
 
 }  // namespace
 
 std::vector<SurfaceSample> ConfirmedSamples(const DepthView& reference,
-                                            std::span<const DepthView* const> neighbours,
+                                            const ComparedViews& compared,
                                             const FusionOptions& options) {
-  std::vector<Neighbour> prepared;
-  for (const DepthView* view : neighbours) {
-    const Rigid3 neighbour_from_reference =
-        view->world_from_rectified.Inverse() * reference.world_from_rectified;
-    prepared.push_back({&view->map, neighbour_from_reference, neighbour_from_reference.Inverse()});
-  }
+  const Views views{Prepare(reference, compared.near), Prepare(reference, compared.ahead)};
   std::vector<std::vector<SurfaceSample>> rows(
       static_cast<std::size_t>(reference.map.disparity.rows));
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, rows.size()), [&](const auto& range) {
     for (std::size_t row = range.begin(); row < range.end(); ++row) {
       for (int column = 0; column < reference.map.disparity.cols; ++column) {
-        const auto sample = SampleAt(reference, prepared, {column, static_cast<int>(row)}, options);
+        const auto sample = SampleAt(reference, views, {column, static_cast<int>(row)}, options);
         if (sample) rows[row].push_back(*sample);
       }
     }
@@ -112,6 +160,25 @@ std::vector<SurfaceSample> ConfirmedSamples(const DepthView& reference,
   std::vector<SurfaceSample> samples;
   for (const auto& row : rows) samples.insert(samples.end(), row.begin(), row.end());
   return samples;
+}
+
+std::optional<double> AgreeingShare(const DepthView& reference, const DepthView& other,
+                                    const FusionOptions& options) {
+  constexpr int kStride = 8;
+  const DepthView* const others[] = {&other};
+  const Neighbour neighbour = Prepare(reference, others).front();
+  int shared = 0, agreeing = 0;
+  for (int row = 0; row < reference.map.disparity.rows; row += kStride) {
+    for (int column = 0; column < reference.map.disparity.cols; column += kStride) {
+      const auto measured = MeasurementAt(reference.map, {column, row});
+      if (!measured) continue;
+      const Verdict verdict = Ask(neighbour, *measured, options).verdict;
+      if (verdict != Verdict::kNone) ++shared;
+      if (verdict == Verdict::kAgrees) ++agreeing;
+    }
+  }
+  if (shared < kMinSharedPixels) return std::nullopt;
+  return static_cast<double>(agreeing) / shared;
 }
 
 }  // namespace rigmap

@@ -1,7 +1,7 @@
 // What neighbouring depth maps say about the points of one.
 #pragma once
 
-#include <span>
+#include <optional>
 #include <vector>
 
 #include "fusion/fusion_options.h"
@@ -15,14 +15,26 @@ struct DepthView {
   Rigid3 world_from_rectified;
 };
 
-// The points of `reference` that enough neighbours confirm, each the mean of all agreeing
+struct ComparedViews {
+  std::vector<const DepthView*> near;   // confirm and are averaged with
+  std::vector<const DepthView*> ahead;  // may only deny, or have the point for themselves
+};
+
+// The points of `reference` that enough near views confirm, each the mean of all agreeing
 // measurements weighed by 1 / sigma^2. Left out:
-// - points on which fewer than min_views frames agree, or that more frames see through (they see
-//   something clearly behind it) than agree;
-// - points that an agreeing neighbour sees clearly better (better_view_share): that one gives them.
+// - points on which fewer than min_views frames agree, or that more near views see through (they
+//   see something clearly behind it) than half of those that agree;
+// - points that any view looks at from clearly nearer (better_view_share): if it agrees, it gives
+//   them itself; if it sees through them, it knows better.
 // Ordered by row and column. Uses all threads; the result does not depend on their number.
 std::vector<SurfaceSample> ConfirmedSamples(const DepthView& reference,
-                                            std::span<const DepthView* const> neighbours,
+                                            const ComparedViews& compared,
                                             const FusionOptions& options);
+
+// Share of the pixels known in both views, of every eighth column and row of `reference`, on which
+// they agree. Nothing with fewer than kMinSharedPixels.
+inline constexpr int kMinSharedPixels = 100;
+std::optional<double> AgreeingShare(const DepthView& reference, const DepthView& other,
+                                    const FusionOptions& options);
 
 }  // namespace rigmap

@@ -3,8 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <fstream>
 #include <limits>
+#include <system_error>
+#include <type_traits>
 
 #include "core/error.h"
 
@@ -35,6 +39,10 @@ Eigen::Vector3d CornerOf(std::uint64_t key) {
   return {axis(2 * kAxisBits), axis(kAxisBits), axis(0)};
 }
 
+void AddTo(std::array<float, 3>& sum, const Eigen::Vector3f& value) {
+  Eigen::Map<Eigen::Vector3f>(sum.data()) += value;
+}
+
 // The finaliser of splitmix64 (Steele et al. 2014): every key bit changes half of the hash's.
 std::size_t HashOf(std::uint64_t key) {
   key = (key ^ (key >> 30U)) * 0xBF58476D1CE4E5B9ULL;
@@ -48,16 +56,16 @@ void VoxelGrid::Add(const SurfaceSample& sample) {
   const Eigen::Vector3d x_in_voxels = sample.x_in_world / voxel_m_;
   Voxel& voxel = At(KeyOf(x_in_voxels));
   const float weight = 1.0F / (sample.sigma_m * sample.sigma_m);
-  voxel.offset += weight * (x_in_voxels - CornerOf(voxel.key)).cast<float>();
-  voxel.normal += weight * sample.normal;
-  voxel.rgb += weight * Eigen::Vector3f(sample.rgb[0], sample.rgb[1], sample.rgb[2]);
+  AddTo(voxel.offset, weight * (x_in_voxels - CornerOf(voxel.key)).cast<float>());
+  AddTo(voxel.normal, weight * sample.normal);
+  AddTo(voxel.rgb, weight * Eigen::Vector3f(sample.rgb[0], sample.rgb[1], sample.rgb[2]));
   voxel.weight += weight;
   voxel.observations += static_cast<std::uint32_t>(sample.observations);
   ++voxel.samples;
 }
 
 VoxelGrid::Voxel& VoxelGrid::At(std::uint64_t key) {
-  if (2 * voxels_.size() >= slots_.size()) Grow();
+  if (2 * voxels_.size() >= slots_.size()) Index(2 * slots_.size());
   const std::size_t mask = slots_.size() - 1;
   std::size_t slot = HashOf(key) & mask;
   while (slots_[slot] != kEmpty && voxels_[slots_[slot]].key != key) slot = (slot + 1) & mask;
@@ -68,8 +76,8 @@ VoxelGrid::Voxel& VoxelGrid::At(std::uint64_t key) {
   return voxels_[slots_[slot]];
 }
 
-void VoxelGrid::Grow() {
-  slots_.assign(2 * slots_.size(), kEmpty);
+void VoxelGrid::Index(std::size_t slot_count) {
+  slots_.assign(slot_count, kEmpty);
   const std::size_t mask = slots_.size() - 1;
   for (std::uint32_t i = 0; i < voxels_.size(); ++i) {
     std::size_t slot = HashOf(voxels_[i].key) & mask;
@@ -80,10 +88,11 @@ void VoxelGrid::Grow() {
 
 SurfacePoint VoxelGrid::PointOf(const Voxel& voxel) const {
   SurfacePoint point;
-  const Eigen::Vector3d offset = (voxel.offset / voxel.weight).cast<double>();
+  const Eigen::Map<const Eigen::Vector3f> sum(voxel.offset.data()), normal(voxel.normal.data());
+  const Eigen::Vector3d offset = (sum / voxel.weight).cast<double>();
   point.x_in_world = (voxel_m_ * (CornerOf(voxel.key) + offset)).cast<float>();
-  const float length = voxel.normal.norm();
-  if (length > 0.0F) point.normal = voxel.normal / length;
+  const float length = normal.norm();
+  if (length > 0.0F) point.normal = normal / length;
   for (int i = 0; i < 3; ++i) {
     point.rgb[i] = static_cast<std::uint8_t>(std::lround(voxel.rgb[i] / voxel.weight));
   }
@@ -94,7 +103,7 @@ SurfacePoint VoxelGrid::PointOf(const Voxel& voxel) const {
   return point;
 }
 
-PointCloud VoxelGrid::Points(int min_observations) const {
+PointCloud VoxelGrid::Points(int min_observations, double max_sigma_m) const {
   std::vector<std::uint32_t> order;
   for (std::uint32_t i = 0; i < voxels_.size(); ++i) {
     if (voxels_[i].observations >= static_cast<std::uint32_t>(min_observations)) order.push_back(i);
@@ -103,8 +112,50 @@ PointCloud VoxelGrid::Points(int min_observations) const {
             [this](std::uint32_t a, std::uint32_t b) { return voxels_[a].key < voxels_[b].key; });
   PointCloud points;
   points.reserve(order.size());
-  for (const std::uint32_t i : order) points.push_back(PointOf(voxels_[i]));
+  for (const std::uint32_t i : order) {
+    const SurfacePoint point = PointOf(voxels_[i]);
+    if (point.sigma_m <= max_sigma_m) points.push_back(point);
+  }
   return points;
+}
+
+void VoxelGrid::Save(const std::filesystem::path& path) const {
+  static_assert(std::is_trivially_copyable_v<Voxel>);
+  const std::uint64_t count = voxels_.size();
+  std::ofstream stream(path, std::ios::binary);
+  stream.write(reinterpret_cast<const char*>(&count), sizeof(count));
+  stream.write(reinterpret_cast<const char*>(voxels_.data()),
+               static_cast<std::streamsize>(count * sizeof(Voxel)));
+  stream.close();
+  if (!stream) {
+    throw DataError(fmt::format("{}: expected to write {} voxels, found no room or no permission",
+                                path.string(), count));
+  }
+}
+
+void VoxelGrid::Load(const std::filesystem::path& path) {
+  std::error_code error;
+  const std::uintmax_t bytes = std::filesystem::file_size(path, error);
+  if (error) {
+    throw DataError(
+        fmt::format("{}: expected voxels set aside, found: {}", path.string(), error.message()));
+  }
+  // The count tells a file that was cut between two voxels.
+  std::uint64_t count = 0;
+  std::ifstream stream(path, std::ios::binary);
+  stream.read(reinterpret_cast<char*>(&count), sizeof(count));
+  if (stream && count == (bytes - sizeof(count)) / sizeof(Voxel)) {
+    voxels_.resize(count);
+    stream.read(reinterpret_cast<char*>(voxels_.data()),
+                static_cast<std::streamsize>(count * sizeof(Voxel)));
+  } else {
+    stream.setstate(std::ios::failbit);
+  }
+  if (!stream) {
+    throw DataError(fmt::format("{}: expected {} voxels set aside, found a file of {} bytes",
+                                path.string(), count, bytes));
+  }
+  Index(std::max(kFirstSlots, std::bit_ceil(4 * voxels_.size())));
 }
 
 }  // namespace rigmap

@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <array>
 #include <cstdint>
+#include <filesystem>
 #include <vector>
 
 #include "scene/point_cloud.h"
@@ -28,24 +29,29 @@ class VoxelGrid {
   // Weighs the sample by 1 / sigma^2. Throws DataError for a point outside the world.
   void Add(const SurfaceSample& sample);
 
-  // One point per cube with at least `min_observations`, ordered by cube (x, then y, then z). The
-  // order of Add changes it by rounding only.
-  PointCloud Points(int min_observations) const;
+  // One point per cube with at least `min_observations` and at most `max_sigma_m`, ordered by cube
+  // (x, then y, then z). The order of Add changes it by rounding only.
+  PointCloud Points(int min_observations, double max_sigma_m) const;
+
+  std::size_t VoxelCount() const { return voxels_.size(); }
+
+  // Writes all that was added, and adds what was written to an empty grid of the same cubes. Throw
+  // DataError naming the file.
+  void Save(const std::filesystem::path& path) const;
+  void Load(const std::filesystem::path& path);
 
  private:
-  struct Voxel {
+  struct Voxel {  // weighted sums
     std::uint64_t key = 0;
-    Eigen::Vector3f offset{0.0F, 0.0F, 0.0F};  // from the cube's corner, weighted sum
-    Eigen::Vector3f normal{0.0F, 0.0F, 0.0F};
-    Eigen::Vector3f rgb{0.0F, 0.0F, 0.0F};
+    std::array<float, 3> offset{}, normal{}, rgb{};  // offset: from the cube's corner, in voxels
     float weight = 0.0F;
     std::uint32_t observations = 0, samples = 0;
   };
   static constexpr std::uint32_t kEmpty = 0xFFFFFFFFU;
-  static constexpr std::size_t kFirstSlots = 1U << 16U;
+  static constexpr std::size_t kFirstSlots = 1U << 12U;
 
   Voxel& At(std::uint64_t key);
-  void Grow();
+  void Index(std::size_t slot_count);  // a power of two
   SurfacePoint PointOf(const Voxel& voxel) const;
 
   double voxel_m_;

@@ -11,18 +11,19 @@
 namespace rigmap {
 namespace {
 
-constexpr double kStoredSteps = 64.0;  // per pixel of disparity
+constexpr double kStoredSteps = 64.0;        // per pixel of disparity
+constexpr double kStoredSigmaSteps = 128.0;  // per pixel of its sigma
 
 struct StoredDepth {
   StampNs stamp_ns = 0;
   Camera camera;
   Rigid3 left_from_rectified;
-  double baseline_m = 0.0, disparity_sigma_px = 0.0;
-  std::vector<uchar> disparity_png, colour_png;
+  double baseline_m = 0.0;
+  std::vector<uchar> disparity_png, sigma_png, colour_png;
 
   template <class Archive>
   void serialize(Archive& archive) {
-    archive(stamp_ns, camera, left_from_rectified, baseline_m, disparity_sigma_px, disparity_png,
+    archive(stamp_ns, camera, left_from_rectified, baseline_m, disparity_png, sigma_png,
             colour_png);
   }
 };
@@ -57,12 +58,16 @@ std::optional<double> DisparityBiasPx(const DepthMap& map,
 }
 
 void SaveDepth(const std::filesystem::path& path, const std::string& key, const DepthMap& map) {
-  cv::Mat steps, colour = map.colour.clone();
+  cv::Mat steps, sigma_steps, colour = map.colour.clone();
+  const cv::Mat unknown = map.disparity == 0.0F;
   map.disparity.convertTo(steps, CV_16U, kStoredSteps);
-  colour.setTo(cv::Scalar::all(0), map.disparity == 0.0F);
-  const StoredDepth stored{
-      map.stamp_ns,           map.camera,       map.left_from_rectified, map.baseline_m,
-      map.disparity_sigma_px, EncodePng(steps), EncodePng(colour)};
+  map.disparity_sigma.convertTo(sigma_steps, CV_8U, kStoredSigmaSteps);
+  sigma_steps = cv::max(sigma_steps, 1);
+  sigma_steps.setTo(0, unknown);
+  colour.setTo(cv::Scalar::all(0), unknown);
+  const StoredDepth stored{map.stamp_ns,     map.camera,       map.left_from_rectified,
+                           map.baseline_m,   EncodePng(steps), EncodePng(sigma_steps),
+                           EncodePng(colour)};
   WriteArtefact(path, key, stored);
 }
 
@@ -73,13 +78,15 @@ std::optional<DepthMap> LoadDepth(const std::filesystem::path& path, const std::
                stored->camera,
                stored->left_from_rectified,
                stored->baseline_m,
-               stored->disparity_sigma_px,
+               {},
                {},
                {}};
   const cv::Mat steps = cv::imdecode(stored->disparity_png, cv::IMREAD_UNCHANGED);
+  const cv::Mat sigma_steps = cv::imdecode(stored->sigma_png, cv::IMREAD_UNCHANGED);
   map.colour = cv::imdecode(stored->colour_png, cv::IMREAD_COLOR);
-  if (steps.empty() || map.colour.empty()) return std::nullopt;
+  if (steps.empty() || sigma_steps.empty() || map.colour.empty()) return std::nullopt;
   steps.convertTo(map.disparity, CV_32F, 1.0 / kStoredSteps);
+  sigma_steps.convertTo(map.disparity_sigma, CV_32F, 1.0 / kStoredSigmaSteps);
   return map;
 }
 

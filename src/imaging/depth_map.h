@@ -13,22 +13,22 @@
 
 namespace rigmap {
 
-// Disparities are kept rather than depths: they are what was measured, with a sigma that is the
-// same everywhere, and a plane is an affine function of the pixel in them.
+// Disparities are kept rather than depths: they are what was measured, and a plane is an affine
+// function of the pixel in them.
 struct DepthMap {
   StampNs stamp_ns = 0;
   Camera camera;               // of the rectified left view: a pinhole, fx == fy
   Rigid3 left_from_rectified;  // a rotation only
   double baseline_m = 0.0;
-  double disparity_sigma_px = 0.0;  // one standard deviation of every disparity
-  cv::Mat disparity;                // CV_32FC1, px; 0: unknown
-  cv::Mat colour;                   // CV_8UC3, BGR; anything where the disparity is unknown
+  cv::Mat disparity;        // CV_32FC1, px; 0: unknown
+  cv::Mat disparity_sigma;  // CV_32FC1, px; one standard deviation of each known disparity
+  cv::Mat colour;           // CV_8UC3, BGR; anything where the disparity is unknown
 
-  // z in rectified axes, metres, and its standard deviation z^2 / (f b) sigma_d. For known
-  // disparities (> 0).
+  // z in rectified axes, metres, of a known disparity (> 0); and its standard deviation
+  // z^2 / (f b) sigma_d.
   double Depth(double disparity_px) const { return camera.fx * baseline_m / disparity_px; }
-  double DepthSigma(double disparity_px) const {
-    return Depth(disparity_px) * disparity_sigma_px / disparity_px;
+  double DepthSigma(double disparity_px, double sigma_px) const {
+    return Depth(disparity_px) * sigma_px / disparity_px;
   }
   // The point seen at a pixel of known disparity.
   Eigen::Vector3d PointInRectified(double column, double row, double disparity_px) const {
@@ -45,8 +45,9 @@ inline constexpr int kMinBiasPoints = 20;
 std::optional<double> DisparityBiasPx(const DepthMap& map,
                                       std::span<const Eigen::Vector3d> x_in_left);
 
-// An artefact (core/artefact.h) with disparities in steps of 1/64 px (below 1024 px) and colours of
-// known pixels, both losslessly compressed: 2 to 3 MB for 1024 x 768.
+// An artefact (core/artefact.h) with disparities in steps of 1/64 px (below 1024 px), their sigmas
+// in steps of 1/128 px (up to 2 px) and colours of known pixels, compressed without loss: 2 to 3 MB
+// for 1024 x 768.
 void SaveDepth(const std::filesystem::path& path, const std::string& key, const DepthMap& map);
 // Nothing if there is no map with this key.
 std::optional<DepthMap> LoadDepth(const std::filesystem::path& path, const std::string& key);

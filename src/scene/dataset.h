@@ -7,6 +7,7 @@
 
 #include "core/stamp.h"
 #include "scene/rig.h"
+#include "scene/survey.h"
 
 namespace rigmap {
 
@@ -56,12 +57,9 @@ struct Dataset {
   std::vector<StereoFrame> frames;               // strictly increasing stamps
   std::vector<InclinometerSample> inclinometer;  // about one per frame, averaged around its stamp
   std::string truth_path;                        // a TUM file that came with the data; empty: none
+  std::vector<GnssFix> fixes;                    // of the rover's satellite receiver
+  std::vector<SurveyedRock> surveyed_rocks;      // of the whole traverse
   DatasetHealth health;
-
-  template <class Archive>
-  void serialize(Archive& archive) {
-    archive(format, rig, frames, inclinometer, truth_path, health);
-  }
 };
 
 }  // namespace rigmap

@@ -118,6 +118,40 @@ TEST_P(DenseMatcherOnSand, KeepsToItsRangeAndMasks) {
   EXPECT_GT(known, 5000);
 }
 
+TEST_P(DenseMatcherOnSand, KnowsNothingWhereItsMaskIsZero) {
+  const Camera& camera = rig_.left.camera;
+  cv::Mat mask(camera.height, camera.width, CV_8UC1, cv::Scalar(255));
+  const cv::Rect ignored(camera.width / 2, camera.height / 2, 120, 80);
+  mask(ignored) = 0;
+  const DepthMap all = DenseMatcher(rig_, options_, {}).Compute(frame_);
+  const DepthMap masked = DenseMatcher(rig_, options_, {}, mask).Compute(frame_);
+  const auto count_in_ignored = [&](const DepthMap& map) {
+    int known = 0;
+    for (int row = 0; row < map.disparity.rows; ++row) {
+      for (int column = 0; column < map.disparity.cols; ++column) {
+        const double found = map.disparity.at<float>(row, column);
+        if (found <= 0.0) continue;
+        const Eigen::Vector3d x = map.PointInRectified(column, row, found);
+        const Eigen::Vector2d pixel = *Project(camera, map.left_from_rectified * x);
+        // Half a pixel inside: masks are rectified to the nearest pixel.
+        known += pixel.x() > ignored.x && pixel.y() > ignored.y && pixel.x() < ignored.br().x - 1 &&
+                 pixel.y() < ignored.br().y - 1;
+      }
+    }
+    return known;
+  };
+  EXPECT_GT(count_in_ignored(all), 1000);
+  EXPECT_EQ(count_in_ignored(masked), 0);
+  EXPECT_GT(cv::countNonZero(masked.disparity), cv::countNonZero(all.disparity) / 2);
+}
+
+TEST_P(DenseMatcherOnSand, IsTheSameWithAMaskThatAllowsAll) {
+  const cv::Mat mask(rig_.left.camera.height, rig_.left.camera.width, CV_8UC1, cv::Scalar(255));
+  EXPECT_EQ(cv::norm(DenseMatcher(rig_, options_, {}, mask).Compute(frame_).disparity,
+                     DenseMatcher(rig_, options_, {}).Compute(frame_).disparity, cv::NORM_INF),
+            0.0);
+}
+
 TEST_P(DenseMatcherOnSand, IsTheSameTwice) {
   const DenseMatcher matcher(rig_, options_, {});
   EXPECT_EQ(
@@ -141,6 +175,12 @@ TEST(DenseOptions, RefusesWhatMakesNoSense) {
   EXPECT_THROW(options.Validate(), UsageError);
   options = {};
   options.block_px = 4;
+  EXPECT_THROW(options.Validate(), UsageError);
+  options = {};
+  options.refinement_px = 8;
+  EXPECT_THROW(options.Validate(), UsageError);
+  options = {};
+  options.least_sigma_px = 0.0;
   EXPECT_THROW(options.Validate(), UsageError);
 }
 

@@ -1,63 +1,36 @@
 #include "fusion/depth_fusion.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
 #include <algorithm>
 #include <cmath>
+#include <set>
+#include <utility>
 #include <vector>
 
 #include "core/error.h"
-#include "imaging/depth_map.h"
-#include "tests/support/seeded_random.h"
+#include "tests/fusion/seen_ground.h"
+#include "tests/support/message_of.h"
 #include "tests/support/temporary_folder.h"
 
 namespace rigmap {
 namespace {
 
-constexpr double kHeightM = 1.1;
-
-// A camera that looks 30 degrees down upon the ground z = 0 and drives along x.
-Rigid3 WorldFromLeft(double x_m) {
-  Eigen::Matrix3d level;  // columns: right, down, forward
-  level << 0, 0, 1, -1, 0, 0, 0, -1, 0;
-  const Eigen::AngleAxisd down(-M_PI / 6.0, Eigen::Vector3d::UnitX());
-  return {Eigen::Quaterniond(level) * down, {x_m, 0.3 * std::sin(x_m), kHeightM}};
-}
-
-// The ground as a stereo frame sees it, with noise of `noise_px` in disparity.
-DepthMap GroundSeenFrom(const Rigid3& world_from_left, double noise_px, SeededRandom& random) {
-  DepthMap map;
-  map.camera = {320, 240, 260.0, 260.0, 160.0, 120.0};
-  map.left_from_rectified.rotation = ExpRotation({0.01, -0.02, 0.005});
-  map.baseline_m = 0.12;
-  map.disparity_sigma_px = 0.25;
-  map.disparity = cv::Mat(240, 320, CV_32FC1, cv::Scalar(0.0));
-  map.colour = cv::Mat(240, 320, CV_8UC3, cv::Scalar(30, 20, 10));
-  const Eigen::Quaterniond rotation = world_from_left.rotation * map.left_from_rectified.rotation;
-  for (int row = 0; row < 240; ++row) {
-    for (int column = 0; column < 320; ++column) {
-      const Eigen::Vector3d ray =
-          rotation * map.PointInRectified(column, row, map.camera.fx * map.baseline_m);
-      const double depth_m = -kHeightM / ray.z();  // the ray is 1 long in z of rectified axes
-      if (ray.z() >= 0.0 || depth_m > 4.0) continue;
-      map.disparity.at<float>(row, column) =
-          static_cast<float>(map.camera.fx * map.baseline_m / depth_m + random.Normal(noise_px));
-    }
-  }
-  return map;
-}
-
 class FuseDepthMapsOfGround : public testing::Test {
  protected:
-  void Drive(int frames, double noise_px) {
-    SeededRandom random;
-    for (int i = 0; i < frames; ++i) {
-      const Rigid3 world_from_left = WorldFromLeft(0.17 * i + 0.01 * random.Uniform(0.0, 1.0));
-      maps_.push_back(GroundSeenFrom(world_from_left, noise_px, random));
-      depths_.push_back({folder_.Path() / std::to_string(i), "key", world_from_left});
-    }
+  // With half a pixel's noise the small camera is less certain than a point may be by default.
+  void SetUp() override { options_.max_sigma_m = 1.0; }
+
+  void Drive(int frames, const GroundView& view) {
+    for (int i = 0; i < frames; ++i) Look(0.17 * i + 0.01 * random_.Uniform(0.0, 1.0), view);
     Store();
+  }
+  void Look(double x_m, const GroundView& view) {
+    const Rigid3 world_from_left = WorldFromLeft(x_m);
+    depths_.push_back({folder_.Path() / std::to_string(maps_.size()), "key", world_from_left});
+    maps_.push_back(GroundSeenFrom(world_from_left, view, random_));
   }
   void Store() {
     for (std::size_t i = 0; i < maps_.size(); ++i) {
@@ -65,15 +38,64 @@ class FuseDepthMapsOfGround : public testing::Test {
     }
   }
 
+  // Sets left_out_, too.
+  PointCloud Fuse(std::span<const PosedDepth> depths) {
+    PointCloud cloud;
+    const FusionTarget target{folder_.Path() / "scratch",
+                              [&cloud](std::span<const SurfacePoint> piece) {
+                                cloud.insert(cloud.end(), piece.begin(), piece.end());
+                              }};
+    left_out_ = FuseDepthMaps(depths, options_, target);
+    return cloud;
+  }
+  PointCloud Fuse() { return Fuse(depths_); }
+
+  double HighestM() {
+    double highest_m = 0.0;
+    for (const SurfacePoint& point : Fuse()) {
+      highest_m = std::max(highest_m, static_cast<double>(point.x_in_world.z()));
+    }
+    return highest_m;
+  }
+
+  SeededRandom random_;
   TemporaryFolder folder_;
   std::vector<DepthMap> maps_;
   std::vector<PosedDepth> depths_;
   FusionOptions options_;
+  std::vector<std::size_t> left_out_;
 };
 
+double RmsHeightM(const PointCloud& cloud) {
+  double sum = 0.0;
+  for (const SurfacePoint& point : cloud) sum += std::pow(point.x_in_world.z(), 2);
+  return std::sqrt(sum / static_cast<double>(cloud.size()));
+}
+
+// Of the points in the middle of the way, which frames pass from far to near.
+double WorstSigmaM(const PointCloud& cloud) {
+  double worst_m = 0.0;
+  for (const SurfacePoint& point : cloud) {
+    const auto& x = point.x_in_world;
+    if (x.x() < 1.5F || x.x() > 2.5F || std::abs(x.y()) > 0.5F) continue;
+    worst_m = std::max(worst_m, static_cast<double>(point.sigma_m));
+  }
+  return worst_m;
+}
+
+// Squares of 10 cm of the ground that hold points.
+std::set<std::pair<long, long>> CoveredSquares(const PointCloud& cloud) {
+  std::set<std::pair<long, long>> covered;
+  for (const SurfacePoint& point : cloud) {
+    covered.emplace(std::lround(10.0F * point.x_in_world.x()),
+                    std::lround(10.0F * point.x_in_world.y()));
+  }
+  return covered;
+}
+
 TEST_F(FuseDepthMapsOfGround, GivesOneThinLayer) {
-  Drive(2, 0.0);
-  const PointCloud cloud = FuseDepthMaps(depths_, options_);
+  Drive(2, {});
+  const PointCloud cloud = Fuse();
   ASSERT_GT(cloud.size(), 5000U);
   std::size_t without_normal = 0;  // in the corners of the images
   for (const SurfacePoint& point : cloud) {
@@ -91,55 +113,98 @@ TEST_F(FuseDepthMapsOfGround, GivesOneThinLayer) {
 }
 
 TEST_F(FuseDepthMapsOfGround, MergesWhatIsSeenTwice) {
-  Drive(1, 0.0);
+  Drive(1, {});
   options_.min_views = 1;
-  const PointCloud once = FuseDepthMaps(depths_, options_);
+  const PointCloud once = Fuse();
   depths_.push_back(depths_[0]);
-  const PointCloud twice = FuseDepthMaps(depths_, options_);
+  const PointCloud twice = Fuse();
   EXPECT_GE(twice.size(), once.size());  // twice the observations: more voxels have enough
   options_.min_observations = 1;
-  EXPECT_EQ(FuseDepthMaps(depths_, options_).size(),
-            FuseDepthMaps(std::span(depths_).first(1), options_).size());
+  EXPECT_EQ(Fuse().size(), Fuse(std::span(depths_).first(1)).size());
 }
 
 TEST_F(FuseDepthMapsOfGround, AveragesNoiseAway) {
-  Drive(7, 0.2);
+  Drive(7, {.noise_px = 0.2});
   options_.min_observations = 1;
   const auto rms_m = [&](int neighbours, int min_views) {
     options_.neighbours = neighbours;
     options_.min_views = min_views;
-    const PointCloud cloud = FuseDepthMaps(depths_, options_);
-    double sum = 0.0;
-    for (const SurfacePoint& point : cloud) sum += std::pow(point.x_in_world.z(), 2);
-    return std::sqrt(sum / static_cast<double>(cloud.size()));
+    return RmsHeightM(Fuse());
   };
   EXPECT_LT(rms_m(6, 2), 0.6 * rms_m(0, 1));
 }
 
 TEST_F(FuseDepthMapsOfGround, DropsWhatNeighboursSeeThrough) {
-  Drive(5, 0.1);
+  Drive(5, {.noise_px = 0.1});
   cv::Mat wrong = maps_[2].disparity(cv::Rect(100, 100, 60, 60));
   wrong *= 1.5F;  // a third nearer: half a metre above the ground
   Store();
-  const auto highest_m = [&] {
-    double highest = 0.0;
-    for (const SurfacePoint& point : FuseDepthMaps(depths_, options_)) {
-      highest = std::max(highest, static_cast<double>(point.x_in_world.z()));
-    }
-    return highest;
-  };
-  EXPECT_LT(highest_m(), 0.1);
+  EXPECT_LT(HighestM(), 0.1);
   options_.neighbours = 0;
+  options_.ahead = 0;  // they see through it as well
   options_.min_views = 1;
   options_.min_observations = 1;
-  EXPECT_GT(highest_m(), 0.2);
+  EXPECT_GT(HighestM(), 0.2);
+}
+
+TEST_F(FuseDepthMapsOfGround, DropsWhatAFrameAheadSeesThroughThoughAllNearOnesAgree) {
+  const Plate plate{{2.9, -0.3}, {3.3, 0.3}, 0.3};
+  for (int i = 0; i < 8; ++i) {
+    GroundView view{.noise_px = 0.05, .sigma_px = 0.1};
+    if (i < 3) view.plate = plate;
+    Look(0.17 * i, view);
+  }
+  Store();
+  options_.neighbours = 2;
+  EXPECT_LT(HighestM(), 0.1);
+  EXPECT_THAT(left_out_, testing::IsEmpty());
+  options_.ahead = 0;
+  EXPECT_GT(HighestM(), 0.25);
+}
+
+TEST_F(FuseDepthMapsOfGround, LeavesPointsToFramesAheadThatSeeThemBetter) {
+  Drive(12, {.noise_px = 0.1});
+  options_.neighbours = 2;
+  const PointCloud with_ahead = Fuse();
+  options_.ahead = 0;
+  const PointCloud without = Fuse();
+  EXPECT_LT(WorstSigmaM(with_ahead), 0.6 * WorstSigmaM(without));
+  EXPECT_EQ(CoveredSquares(with_ahead), CoveredSquares(without));
+}
+
+TEST_F(FuseDepthMapsOfGround, LeavesOutAFrameWhosePoseIsWrong) {
+  Drive(8, {.noise_px = 0.05, .sigma_px = 0.05});
+  for (const std::size_t wrong : {0, 3, 7}) {
+    // Upwards: flat ground looks the same from beside.
+    depths_[wrong].world_from_left.translation.z() += 0.1;
+    const double highest_m = HighestM();
+    EXPECT_THAT(left_out_, testing::ElementsAre(wrong));
+    EXPECT_LT(highest_m, 0.03);
+    depths_[wrong].world_from_left.translation.z() -= 0.1;
+  }
+}
+
+TEST_F(FuseDepthMapsOfGround, LeavesOutNoneOfSoundFrames) {
+  Drive(8, {.noise_px = 0.05, .sigma_px = 0.05});
+  Fuse();
+  EXPECT_THAT(left_out_, testing::IsEmpty());
+}
+
+TEST_F(FuseDepthMapsOfGround, DropsUncertainPoints) {
+  Drive(4, {.noise_px = 0.1});
+  const std::size_t all = Fuse().size();
+  options_.max_sigma_m = 0.03;
+  const PointCloud certain = Fuse();
+  ASSERT_GT(certain.size(), 1000U);
+  EXPECT_LT(certain.size(), all);
+  for (const SurfacePoint& point : certain) ASSERT_LE(point.sigma_m, 0.03F);
 }
 
 TEST_F(FuseDepthMapsOfGround, DoesNotDependOnTheOrderOfFrames) {
-  Drive(5, 0.1);
-  const PointCloud forwards = FuseDepthMaps(depths_, options_);
+  Drive(5, {.noise_px = 0.1});
+  const PointCloud forwards = Fuse();
   std::reverse(depths_.begin(), depths_.end());
-  const PointCloud backwards = FuseDepthMaps(depths_, options_);
+  const PointCloud backwards = Fuse();
   ASSERT_EQ(forwards.size(), backwards.size());
   for (std::size_t i = 0; i < forwards.size(); ++i) {
     ASSERT_LT((forwards[i].x_in_world - backwards[i].x_in_world).norm(), 1e-5F);
@@ -147,10 +212,10 @@ TEST_F(FuseDepthMapsOfGround, DoesNotDependOnTheOrderOfFrames) {
 }
 
 TEST_F(FuseDepthMapsOfGround, DoesNotDependOnTheNumberOfThreads) {
-  Drive(3, 0.1);
-  const PointCloud several = FuseDepthMaps(depths_, options_);
+  Drive(3, {.noise_px = 0.1});
+  const PointCloud several = Fuse();
   const tbb::global_control one_thread(tbb::global_control::max_allowed_parallelism, 1);
-  const PointCloud one = FuseDepthMaps(depths_, options_);
+  const PointCloud one = Fuse();
   ASSERT_EQ(several.size(), one.size());
   for (std::size_t i = 0; i < several.size(); ++i) {
     ASSERT_EQ(several[i].x_in_world, one[i].x_in_world);
@@ -160,15 +225,27 @@ TEST_F(FuseDepthMapsOfGround, DoesNotDependOnTheNumberOfThreads) {
 }
 
 TEST_F(FuseDepthMapsOfGround, NamesAMissingDepthMap) {
-  Drive(2, 0.0);
+  Drive(2, {});
   depths_[1].key = "another key";
-  EXPECT_THROW(FuseDepthMaps(depths_, options_), DataError);
+  EXPECT_THAT(MessageOf<DataError>([&] { Fuse(); }), testing::HasSubstr(depths_[1].path.string()));
+}
+
+TEST_F(FuseDepthMapsOfGround, LeavesNoScratchBehind) {
+  Drive(2, {});
+  Fuse();
+  EXPECT_FALSE(std::filesystem::exists(folder_.Path() / "scratch"));
+  depths_[1].key = "another key";
+  EXPECT_THROW(Fuse(), DataError);
+  EXPECT_FALSE(std::filesystem::exists(folder_.Path() / "scratch"));
 }
 
 TEST(FusionOptions, RefusesWhatMakesNoSense) {
   EXPECT_NO_THROW(FusionOptions{}.Validate());
   FusionOptions options;
   options.min_views = options.neighbours + 2;
+  EXPECT_THROW(options.Validate(), UsageError);
+  options = {};
+  options.better_view_share = 1.1;
   EXPECT_THROW(options.Validate(), UsageError);
 }
 

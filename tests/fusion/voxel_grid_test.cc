@@ -1,5 +1,6 @@
 #include "fusion/voxel_grid.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -7,7 +8,9 @@
 #include <vector>
 
 #include "core/error.h"
+#include "tests/support/message_of.h"
 #include "tests/support/seeded_random.h"
+#include "tests/support/temporary_folder.h"
 
 namespace rigmap {
 namespace {
@@ -26,7 +29,7 @@ SurfaceSample SampleAt(const Eigen::Vector3d& x, float sigma_m = 0.01F) {
 PointCloud PointsOf(const std::vector<SurfaceSample>& samples, int min_observations = 1) {
   VoxelGrid grid(kVoxelM);
   for (const SurfaceSample& sample : samples) grid.Add(sample);
-  return grid.Points(min_observations);
+  return grid.Points(min_observations, 1.0);
 }
 
 TEST(VoxelGrid, GivesASingleSampleBack) {
@@ -70,6 +73,67 @@ TEST(VoxelGrid, DropsWhatWasSeenTooRarely) {
   EXPECT_EQ(PointsOf(samples, 1).size(), 2U);
   EXPECT_EQ(PointsOf(samples, 3).size(), 1U);
   EXPECT_EQ(PointsOf(samples, 4).size(), 0U);
+}
+
+TEST(VoxelGrid, DropsWhatIsTooUncertain) {
+  VoxelGrid grid(kVoxelM);
+  grid.Add(SampleAt({0.005, 0.005, 0.005}, 0.01F));
+  grid.Add(SampleAt({1.005, 0.005, 0.005}, 0.03F));
+  EXPECT_EQ(grid.Points(1, 0.02).size(), 1U);
+  EXPECT_EQ(grid.Points(1, 0.04).size(), 2U);
+}
+
+std::vector<SurfaceSample> RandomSamples(SeededRandom& random, int count) {
+  std::vector<SurfaceSample> samples;
+  for (int i = 0; i < count; ++i) {
+    samples.push_back(SampleAt(random.Vector(0.1), static_cast<float>(random.Uniform(0.01, 0.1))));
+  }
+  return samples;
+}
+
+void ExpectEqual(const PointCloud& found, const PointCloud& expected) {
+  ASSERT_EQ(found.size(), expected.size());
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    ASSERT_EQ(found[i].x_in_world, expected[i].x_in_world);
+    ASSERT_EQ(found[i].normal, expected[i].normal);
+    ASSERT_EQ(found[i].rgb, expected[i].rgb);
+    ASSERT_EQ(found[i].observations, expected[i].observations);
+    ASSERT_EQ(found[i].sigma_m, expected[i].sigma_m);
+  }
+}
+
+TEST(VoxelGrid, GoesOnAfterSaveAndLoadAsIfNothingHadBeen) {
+  SeededRandom random;
+  const TemporaryFolder folder;
+  VoxelGrid saved(kVoxelM), loaded(kVoxelM);
+  for (const SurfaceSample& sample : RandomSamples(random, 20000)) saved.Add(sample);
+  saved.Save(folder.Path() / "voxels");
+  loaded.Load(folder.Path() / "voxels");
+  EXPECT_EQ(loaded.VoxelCount(), saved.VoxelCount());
+  ExpectEqual(loaded.Points(1, 1.0), saved.Points(1, 1.0));
+  for (const SurfaceSample& sample : RandomSamples(random, 20000)) {
+    saved.Add(sample);
+    loaded.Add(sample);
+  }
+  EXPECT_EQ(loaded.VoxelCount(), saved.VoxelCount());
+  ExpectEqual(loaded.Points(1, 1.0), saved.Points(1, 1.0));
+}
+
+TEST(VoxelGrid, SavesAndLoadsAnEmptyGrid) {
+  const TemporaryFolder folder;
+  VoxelGrid(kVoxelM).Save(folder.Path() / "voxels");
+  VoxelGrid loaded(kVoxelM);
+  loaded.Load(folder.Path() / "voxels");
+  EXPECT_EQ(loaded.VoxelCount(), 0U);
+}
+
+TEST(VoxelGrid, NamesAFileThatHoldsNoVoxels) {
+  const TemporaryFolder folder;
+  VoxelGrid grid(kVoxelM);
+  for (const auto& path : {folder.Path() / "missing", folder.Write("text", "no voxels at all"),
+                           folder.Write("empty", "")}) {
+    EXPECT_THAT(MessageOf<DataError>([&] { grid.Load(path); }), testing::HasSubstr(path.string()));
+  }
 }
 
 TEST(VoxelGrid, RefusesPointsOutsideTheWorld) {

@@ -19,14 +19,16 @@ DepthMap RandomMap() {
   map.camera = {64, 48, 80.0, 80.0, 31.5, 23.5};
   map.left_from_rectified.rotation = random.Rotation(0.05);
   map.baseline_m = 0.12;
-  map.disparity_sigma_px = 0.25;
   map.disparity.create(48, 64, CV_32FC1);
+  map.disparity_sigma.create(48, 64, CV_32FC1);
   map.colour.create(48, 64, CV_8UC3);
   for (int row = 0; row < 48; ++row) {
     for (int column = 0; column < 64; ++column) {
       const bool known = random.Uniform(0.0, 1.0) < 0.8;
       map.disparity.at<float>(row, column) =
           known ? static_cast<float>(std::floor(random.Uniform(16.0, 16000.0))) / 16.0F : 0.0F;
+      map.disparity_sigma.at<float>(row, column) =
+          static_cast<float>(std::ceil(random.Uniform(0.0, 255.0))) / 128.0F;
       const auto value = static_cast<uchar>(random.Uniform(0.0, 256.0));
       map.colour.at<cv::Vec3b>(row, column) = {value, 7, 255};
     }
@@ -45,6 +47,7 @@ TEST(StoredDepth, ComesBackAsItWas) {
   EXPECT_EQ(loaded->camera.cx, map.camera.cx);
   EXPECT_EQ(cv::norm(loaded->disparity, map.disparity, cv::NORM_INF), 0.0);
   const cv::Mat known = map.disparity > 0.0F;
+  EXPECT_EQ(cv::norm(loaded->disparity_sigma, map.disparity_sigma, cv::NORM_INF, known), 0.0);
   EXPECT_EQ(cv::norm(loaded->colour, map.colour, cv::NORM_INF, known), 0.0);
   EXPECT_FALSE(LoadDepth(folder.Path() / "depth", "another key"));
   EXPECT_FALSE(LoadDepth(folder.Path() / "nowhere", "key"));
@@ -54,7 +57,7 @@ TEST(DepthMap, SigmaIsTheChangeOfDepthWithDisparity) {
   const DepthMap map = RandomMap();
   constexpr double kStep = 1e-6;
   const double slope = (map.Depth(5.0) - map.Depth(5.0 + kStep)) / kStep;
-  EXPECT_NEAR(map.DepthSigma(5.0), slope * map.disparity_sigma_px, 1e-6);
+  EXPECT_NEAR(map.DepthSigma(5.0, 0.25), slope * 0.25, 1e-6);
 }
 
 TEST(DisparityBias, FindsACommonShiftDespiteWrongPoints) {

@@ -64,6 +64,18 @@ TEST_F(EvaluatePartTest, PrintsATableForPeople) {
   EXPECT_THAT(table, HasSubstr("frames           21\n"));
 }
 
+TEST_F(EvaluatePartTest, PrintsInnerValuesByNameAndListsAsTables) {
+  WriteTestFile(out_ / "evaluation.json",
+                R"({"map": {"within_1.5m": {"f_1cm": 0.9}},
+                    "rocks": {"each": [{"size": "small", "x": 1.5}, {"size": "large", "y": [2, 3]}]}})");
+  EXPECT_EQ(EvaluatePart({out_, {}, false}),
+            "map.within_1.5m.f_1cm 0.9\n"
+            "rocks.each\n"
+            "   size    x      y\n"
+            "  small  1.5      -\n"
+            "  large    -  [2,3]\n");
+}
+
 TEST_F(EvaluatePartTest, ShowsWhatTheRunFoundWhereNoTruthIsGiven) {
   WriteTestFile(out_ / "evaluation.json", "{\n \"frames\": 3,\n \"scale\": 1.5\n}\n");
   EXPECT_EQ(EvaluatePart({out_, {}, true}), "{\"frames\":3,\"scale\":1.5}\n");

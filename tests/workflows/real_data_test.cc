@@ -70,14 +70,25 @@ TEST_F(RealData, BeachPartIsMetric) {
   EXPECT_TRUE(fs::exists(out_ / "trajectory_antenna.tum"));
   EXPECT_GT(ReadPly(out_ / "dense.ply").size(), 20000U);
 
-  const fs::path scorer = data_ / ".." / "score" / "trajectory_metrics.py";
-  if (!fs::exists(scorer) || !fs::exists(kPython)) {
-    GTEST_SKIP() << "the scorer or Debian's python3 is missing: figures not compared with it";
+  EXPECT_GT(metrics["rtk"]["used"], 5);
+
+  const fs::path scorers = data_ / ".." / "score";
+  if (!fs::exists(scorers) || !fs::exists(kPython)) {
+    GTEST_SKIP() << "the scorers or Debian's python3 are missing: figures not compared with them";
   }
-  const ProgramEnd scored =
-      RunProgram(kPython, {scorer, out_ / "trajectory.tum", truth / "trajectory.tum"});
-  ASSERT_EQ(scored.exit_code, 0) << scored.err;
-  ExpectEqual(metrics, json::parse(scored.out));
+  const auto scored = [&](const char* name, const std::vector<std::string>& arguments) {
+    std::vector<std::string> all{scorers / name};
+    all.insert(all.end(), arguments.begin(), arguments.end());
+    const ProgramEnd scorer = RunProgram(kPython, all);
+    EXPECT_EQ(scorer.exit_code, 0) << scorer.err;
+    return json::parse(scorer.out);
+  };
+  const std::string tum = out_ / "trajectory.tum";
+  EXPECT_EQ(metrics["map"], scored("map_metrics.py", {out_ / "dense.ply", tum, truth}));
+  EXPECT_EQ(metrics["rocks"], scored("rock_metrics.py", {out_ / "dense.ply", tum, truth}));
+  json trajectory = metrics;
+  for (const char* key : {"map", "rocks", "rtk", "surveyed_rocks"}) trajectory.erase(key);
+  ExpectEqual(trajectory, scored("trajectory_metrics.py", {tum, truth / "trajectory.tum"}));
 }
 
 // A rig that lies still must not invent motion. Its own calibration may not please the gates.

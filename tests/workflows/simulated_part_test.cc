@@ -62,6 +62,11 @@ const Arguments kPublished{"trajectory.tum",
                            "sparse/points3D.bin",
                            "sparse.ply",
                            "dense.ply",
+                           "height.tif",
+                           "ortho.tif",
+                           "view_top.png",
+                           "view_side.png",
+                           "view_oblique.png",
                            "evaluation.json",
                            "config.yaml"};
 

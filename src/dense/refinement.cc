@@ -1,0 +1,125 @@
+#include "dense/refinement.h"
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+
+namespace rigmap {
+namespace {
+
+constexpr float kUnknown = -1e4F;     // no disparity is near it
+constexpr float kSameSurface = 1.0F;  // px
+constexpr float kMostStep = 0.5F;     // px; a matcher is not further off
+constexpr float kLeastGradient2 = 1e-3F;
+
+// Means over a window of what is known in it.
+class WindowMean {
+ public:
+  WindowMean(const cv::Mat& known, int side_px) : known_(known), side_(side_px, side_px) {
+    cv::boxFilter(known_, share_, CV_32F, side_);
+    share_ = cv::max(share_, 1e-6F);
+  }
+  cv::Mat Of(const cv::Mat& values) const {
+    cv::Mat mean;
+    cv::boxFilter(values.mul(known_), mean, CV_32F, side_);
+    return mean / share_;
+  }
+  // How many pixels are known around each.
+  cv::Mat Counts() const { return share_ * static_cast<double>(side_.area()); }
+
+ private:
+  cv::Mat known_, share_;
+  cv::Size side_;
+};
+
+struct Differences {
+  cv::Mat residual;  // left less right view, at the disparities
+  cv::Mat gradient;  // of the right view along its rows, there
+};
+
+Differences Compare(const cv::Mat& left, const cv::Mat& right, const cv::Mat& disparity) {
+  cv::Mat right_f, slope, columns(disparity.size(), CV_32F), rows(disparity.size(), CV_32F);
+  right.convertTo(right_f, CV_32F);
+  cv::Sobel(right_f, slope, CV_32F, 1, 0, 1, 0.5);
+  for (int row = 0; row < disparity.rows; ++row) {
+    const auto* shift = disparity.ptr<float>(row);
+    auto* column_to = columns.ptr<float>(row);
+    for (int column = 0; column < disparity.cols; ++column) {
+      column_to[column] = static_cast<float>(column) - shift[column];
+    }
+    rows.row(row).setTo(static_cast<float>(row));
+  }
+  Differences found;
+  cv::remap(right_f, found.residual, columns, rows, cv::INTER_LINEAR, cv::BORDER_REPLICATE);
+  cv::remap(slope, found.gradient, columns, rows, cv::INTER_LINEAR, cv::BORDER_REPLICATE);
+  cv::subtract(left, found.residual, found.residual, cv::noArray(), CV_32F);
+  return found;
+}
+
+// Adds the pair of opposite neighbours at (dx, dy) to the sums of a row.
+void AddPair(const float* middle, const float* one, const float* other, int count, float* sum,
+             float* weight) {
+  for (int i = 0; i < count; ++i) {
+    const bool same = (std::abs(one[i] - middle[i]) < kSameSurface) &
+                      (std::abs(other[i] - middle[i]) < kSameSurface);
+    sum[i] += same ? one[i] + other[i] : 0.0F;
+    weight[i] += same ? 2.0F : 0.0F;
+  }
+}
+
+}  // namespace
+
+cv::Mat SmoothDisparity(const cv::Mat& disparity, int radius_px) {
+  cv::Mat known_only = disparity.clone(), padded, smooth(disparity.size(), CV_32F);
+  known_only.setTo(kUnknown, disparity <= 0.0F);
+  cv::copyMakeBorder(known_only, padded, radius_px, radius_px, radius_px, radius_px,
+                     cv::BORDER_CONSTANT, cv::Scalar(kUnknown));
+  cv::Mat weight(1, disparity.cols, CV_32F);
+  for (int row = 0; row < disparity.rows; ++row) {
+    const auto at = [&](int dx, int dy) {
+      return padded.ptr<float>(row + radius_px + dy) + radius_px + dx;
+    };
+    auto *sum = smooth.ptr<float>(row), *weights = weight.ptr<float>();
+    std::copy_n(at(0, 0), disparity.cols, sum);
+    weight.setTo(1.0F);
+    for (int dy = 0; dy <= radius_px; ++dy) {
+      for (int dx = dy == 0 ? 1 : -radius_px; dx <= radius_px; ++dx) {
+        AddPair(at(0, 0), at(dx, dy), at(-dx, -dy), disparity.cols, sum, weights);
+      }
+    }
+    for (int i = 0; i < disparity.cols; ++i) sum[i] /= weights[i];
+  }
+  smooth.setTo(0.0F, disparity <= 0.0F);
+  return smooth;
+}
+
+RefinedDisparity RefineDisparity(const cv::Mat& left, const cv::Mat& right,
+                                 const cv::Mat& disparity, const DenseOptions& options) {
+  const int radius_px = options.smoothing_px / 2;
+  const cv::Mat coarse = SmoothDisparity(disparity, radius_px);
+  const cv::Mat is_known = coarse > 0.0F;
+  cv::Mat known;
+  is_known.convertTo(known, CV_32F, 1.0 / 255.0);
+  const WindowMean mean(known, options.refinement_px);
+  const auto [residual, gradient] = Compare(left, right, coarse);
+  // Without the means over the window, since the views may differ in brightness.
+  const cv::Mat mean_residual = mean.Of(residual), mean_gradient = mean.Of(gradient);
+  const cv::Mat gradient2 =
+      cv::max(mean.Of(gradient.mul(gradient)) - mean_gradient.mul(mean_gradient), kLeastGradient2);
+  const cv::Mat product = mean.Of(gradient.mul(residual)) - mean_gradient.mul(mean_residual);
+  const cv::Mat residual2 = mean.Of(residual.mul(residual)) - mean_residual.mul(mean_residual);
+  // A larger disparity looks further left: the view changes by minus the gradient.
+  const cv::Mat step = -product / gradient2;
+  RefinedDisparity refined;
+  refined.disparity = coarse + cv::max(cv::min(step, kMostStep), -kMostStep);
+  refined.disparity.setTo(0.0F, ~is_known | (refined.disparity <= 0.0F));
+  refined.disparity = SmoothDisparity(refined.disparity, radius_px);
+  cv::Mat unexplained = cv::max(residual2 + step.mul(product), 0.0F);
+  const double factor = options.refined_sigma_factor;
+  cv::sqrt(factor * factor * unexplained / gradient2 / mean.Counts() +
+               options.least_sigma_px * options.least_sigma_px,
+           refined.sigma);
+  return refined;
+}
+
+}  // namespace rigmap

@@ -1,0 +1,42 @@
+#include "fusion/frame_comparison.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+namespace rigmap {
+
+FrameComparison CompareWith(std::size_t reference, std::span<const Rigid3> world_from_left,
+                            const FusionOptions& options) {
+  // Ranks of the frames ahead, beyond the near ones: 0, 1, 3, 6, 10, 16, 25, ...
+  constexpr double kGrowth = 1.5;
+  const auto forward = [&](std::size_t i) -> Eigen::Vector3d {
+    return world_from_left[i].rotation * Eigen::Vector3d::UnitZ();
+  };
+  const Eigen::Vector3d own_forward = forward(reference);
+  const Eigen::Vector3d own_place = world_from_left[reference].translation;
+  const double least_cosine = std::cos(options.max_neighbour_angle_deg * std::numbers::pi / 180.0);
+  std::vector<std::pair<double, std::size_t>> by_distance;
+  for (std::size_t i = 0; i < world_from_left.size(); ++i) {
+    if (i == reference || own_forward.dot(forward(i)) < least_cosine) continue;
+    by_distance.emplace_back((world_from_left[i].translation - own_place).norm(), i);
+  }
+  std::sort(by_distance.begin(), by_distance.end());
+  FrameComparison found;
+  int rank = 0, next = 0;
+  for (const auto& [distance_m, i] : by_distance) {
+    if (found.near.size() < static_cast<std::size_t>(options.neighbours)) {
+      found.near.push_back(i);
+      continue;
+    }
+    if (found.ahead.size() == static_cast<std::size_t>(options.ahead)) break;
+    if ((world_from_left[i].translation - own_place).dot(own_forward) <= 0.0) continue;
+    if (rank++ < next) continue;
+    found.ahead.push_back(i);
+    next = static_cast<int>(std::floor(kGrowth * rank));
+  }
+  return found;
+}
+
+}  // namespace rigmap

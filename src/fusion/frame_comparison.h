@@ -1,0 +1,24 @@
+// Which frames of a part are compared with which.
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "fusion/fusion_options.h"
+#include "geometry/rigid3.h"
+
+namespace rigmap {
+
+// Frames by their index.
+struct FrameComparison {
+  std::vector<std::size_t> near;   // nearest in place, nearest first
+  std::vector<std::size_t> ahead;  // further ones in viewing direction, ever more apart
+};
+
+// Of those that look the same way as the reference (max_neighbour_angle_deg), up to `neighbours`
+// and `ahead`.
+FrameComparison CompareWith(std::size_t reference, std::span<const Rigid3> world_from_left,
+                            const FusionOptions& options);
+
+}  // namespace rigmap

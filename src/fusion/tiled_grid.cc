@@ -1,0 +1,91 @@
+#include "fusion/tiled_grid.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <system_error>
+#include <vector>
+
+#include "core/error.h"
+
+namespace rigmap {
+
+TiledGrid::TiledGrid(double voxel_m, std::filesystem::path scratch, std::size_t most_voxels)
+    : voxel_m_(voxel_m), scratch_(std::move(scratch)), most_voxels_(most_voxels) {
+  std::error_code error;
+  std::filesystem::remove_all(scratch_, error);
+  if (!error) std::filesystem::create_directories(scratch_, error);
+  if (error) {
+    throw DataError(fmt::format("{}: expected to make a folder for voxels set aside, found: {}",
+                                scratch_.string(), error.message()));
+  }
+}
+
+TiledGrid::~TiledGrid() {
+  std::error_code ignored;  // what is left over there takes room, no more
+  std::filesystem::remove_all(scratch_, ignored);
+}
+
+std::filesystem::path TiledGrid::FileOf(const Place& place) const {
+  return scratch_ / fmt::format("{}_{}", place.first, place.second);
+}
+
+VoxelGrid& TiledGrid::GridAt(const Place& place) {
+  if (last_grid_ && place == last_place_) return *last_grid_;
+  const auto [entry, is_new] = tiles_.try_emplace(place);
+  Tile& tile = entry->second;
+  if (!tile.grid) {
+    tile.grid.emplace(voxel_m_);
+    if (!is_new) tile.grid->Load(FileOf(place));
+  }
+  tile.last_use = ++time_;
+  last_place_ = place;
+  last_grid_ = &*tile.grid;
+  return *last_grid_;
+}
+
+void TiledGrid::Add(const SurfaceSample& sample) {
+  const double tile_m = kTileVoxels * voxel_m_;
+  const auto along = [&](int axis) {
+    // Points that are too far off, or nowhere (NaN), are refused by the grid itself.
+    const double tile = std::floor(sample.x_in_world(axis) / tile_m);
+    return static_cast<std::int64_t>(std::fmax(-1e9, std::fmin(tile, 1e9)));
+  };
+  GridAt({along(0), along(1)}).Add(sample);
+}
+
+void TiledGrid::SetAside() {
+  std::vector<std::map<Place, Tile>::iterator> in_memory;
+  std::size_t voxels = 0;
+  for (auto tile = tiles_.begin(); tile != tiles_.end(); ++tile) {
+    if (!tile->second.grid) continue;
+    in_memory.push_back(tile);
+    voxels += tile->second.grid->VoxelCount();
+  }
+  std::sort(in_memory.begin(), in_memory.end(),
+            [](const auto& a, const auto& b) { return a->second.last_use < b->second.last_use; });
+  for (const auto& tile : in_memory) {
+    if (voxels <= most_voxels_) return;
+    voxels -= tile->second.grid->VoxelCount();
+    tile->second.grid->Save(FileOf(tile->first));
+    tile->second.grid.reset();
+    last_grid_ = nullptr;
+  }
+}
+
+void TiledGrid::Drain(int min_observations, double max_sigma_m,
+                      const std::function<void(std::span<const SurfacePoint>)>& take) {
+  last_grid_ = nullptr;
+  for (auto& [place, tile] : tiles_) {
+    if (!tile.grid) {
+      tile.grid.emplace(voxel_m_);
+      tile.grid->Load(FileOf(place));
+    }
+    take(tile.grid->Points(min_observations, max_sigma_m));
+    tile.grid.reset();
+  }
+  tiles_.clear();
+}
+
+}  // namespace rigmap

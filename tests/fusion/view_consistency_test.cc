@@ -1,0 +1,131 @@
+#include "fusion/view_consistency.h"
+
+#include <gtest/gtest.h>
+
+#include <numbers>
+
+#include "tests/fusion/seen_ground.h"
+
+namespace rigmap {
+namespace {
+
+DepthView ViewOf(const Rigid3& world_from_left, const GroundView& look, SeededRandom& random) {
+  DepthMap map = GroundSeenFrom(world_from_left, look, random);
+  const Rigid3 world_from_rectified = world_from_left * map.left_from_rectified;
+  return {std::move(map), world_from_rectified};
+}
+
+DepthView ViewFrom(double x_m, const GroundView& look, SeededRandom& random) {
+  return ViewOf(WorldFromLeft(x_m), look, random);
+}
+
+// Whether `view` knows a depth where it sees the point.
+bool Knows(const DepthView& view, const Eigen::Vector3d& x_in_rectified) {
+  const auto pixel = Project(view.map.camera, x_in_rectified);
+  return pixel && view.map.camera.Contains(*pixel) &&
+         view.map.disparity.at<float>(static_cast<int>(std::lround(pixel->y())),
+                                      static_cast<int>(std::lround(pixel->x()))) > 0.0F;
+}
+
+// How many samples lie clearly above the ground.
+int CountRaised(const std::vector<SurfaceSample>& samples) {
+  int raised = 0;
+  for (const SurfaceSample& sample : samples) raised += sample.x_in_world.z() > 0.2;
+  return raised;
+}
+
+class ViewConsistency : public testing::Test {
+ protected:
+  SeededRandom random_;
+  FusionOptions options_;
+  GroundView look_{.noise_px = 0.05, .sigma_px = 0.1, .plate = {}};
+  GroundView look_at_plate_{
+      .noise_px = 0.05, .sigma_px = 0.1, .plate = Plate{{2.9, -0.3}, {3.3, 0.3}, 0.3}};
+};
+
+TEST_F(ViewConsistency, NeedsEnoughViews) {
+  const DepthView reference = ViewFrom(0.0, look_, random_);
+  const DepthView near = ViewFrom(0.1, look_, random_);
+  EXPECT_TRUE(ConfirmedSamples(reference, {}, options_).empty());
+  EXPECT_GT(ConfirmedSamples(reference, {{&near}, {}}, options_).size(), 30000U);
+  options_.min_views = 1;
+  EXPECT_EQ(ConfirmedSamples(reference, {}, options_).size(),
+            static_cast<std::size_t>(cv::countNonZero(reference.map.disparity)));
+}
+
+TEST_F(ViewConsistency, IsDeniedByOneFrameAheadHoweverManyNearOnesAgree) {
+  const DepthView reference = ViewFrom(0.0, look_at_plate_, random_);
+  const DepthView one = ViewFrom(0.05, look_at_plate_, random_);
+  const DepthView two = ViewFrom(0.1, look_at_plate_, random_);
+  const DepthView ahead = ViewFrom(0.6, look_, random_);
+  EXPECT_GT(CountRaised(ConfirmedSamples(reference, {{&one, &two}, {}}, options_)), 300);
+  EXPECT_EQ(CountRaised(ConfirmedSamples(reference, {{&one, &two}, {&ahead}}, options_)), 0);
+}
+
+TEST_F(ViewConsistency, IsNotDeniedByAFrameFromNoNearer) {
+  const DepthView reference = ViewFrom(0.0, look_at_plate_, random_);
+  const DepthView one = ViewFrom(0.05, look_at_plate_, random_);
+  const DepthView beside = ViewFrom(0.02, look_, random_);
+  EXPECT_GT(CountRaised(ConfirmedSamples(reference, {{&one}, {&beside}}, options_)), 300);
+}
+
+TEST_F(ViewConsistency, LeavesPointsToANearerFrameAhead) {
+  const DepthView reference = ViewFrom(0.0, look_, random_);
+  const DepthView near = ViewFrom(0.1, look_, random_);
+  const DepthView ahead = ViewFrom(1.0, look_, random_);
+  const std::size_t alone = ConfirmedSamples(reference, {{&near}, {}}, options_).size();
+  const auto kept = ConfirmedSamples(reference, {{&near}, {&ahead}}, options_);
+  EXPECT_LT(kept.size(), alone);
+  ASSERT_GT(kept.size(), alone / 4);  // at its feet, where the other does not look
+  std::size_t seen_nearer = 0;
+  for (const SurfaceSample& sample : kept) {
+    const Eigen::Vector3d x = ahead.world_from_rectified.Inverse() * sample.x_in_world;
+    const double own_m = (reference.world_from_rectified.Inverse() * sample.x_in_world).z();
+    seen_nearer += Knows(ahead, x) && x.z() * x.z() < options_.better_view_share * own_m * own_m;
+  }
+  EXPECT_LT(seen_nearer, kept.size() / 50);  // at the ahead frame's margins, by rounding to pixels
+}
+
+TEST_F(ViewConsistency, AgreesWithItself) {
+  const DepthView view = ViewFrom(0.0, look_, random_);
+  EXPECT_EQ(AgreeingShare(view, view, options_), 1.0);
+}
+
+TEST_F(ViewConsistency, AgreesWithASoundNeighbour) {
+  const DepthView view = ViewFrom(0.0, look_, random_);
+  const auto share = AgreeingShare(view, ViewFrom(0.3, look_, random_), options_);
+  ASSERT_TRUE(share);
+  EXPECT_GT(*share, 0.99);
+}
+
+TEST_F(ViewConsistency, DisagreesWithShiftedDepth) {
+  const DepthView view = ViewFrom(0.0, look_, random_);
+  DepthView shifted = ViewFrom(0.0, look_, random_);
+  shifted.map.disparity *= 1.2;
+  const auto share = AgreeingShare(view, shifted, options_);
+  ASSERT_TRUE(share);
+  EXPECT_LT(*share, 0.01);
+}
+
+TEST_F(ViewConsistency, SaysNothingOfFramesThatShareNoView) {
+  const DepthView view = ViewFrom(0.0, look_, random_);
+  Rigid3 turned = WorldFromLeft(0.0);
+  turned.rotation = ExpRotation({0.0, 0.0, std::numbers::pi}) * turned.rotation;
+  EXPECT_FALSE(AgreeingShare(view, ViewOf(turned, look_, random_), options_));
+}
+
+TEST_F(ViewConsistency, SaysNothingOfTooFewSharedPixels) {
+  const DepthView view = ViewFrom(0.0, look_, random_);
+  const auto share_of = [&](int rows) {  // of ten asked pixels each
+    DepthView part = view;
+    part.map.disparity = cv::Mat(view.map.disparity.size(), CV_32FC1, cv::Scalar(0.0));
+    const cv::Rect known(80, 80, 80, 8 * rows);
+    view.map.disparity(known).copyTo(part.map.disparity(known));
+    return AgreeingShare(part, view, options_);
+  };
+  EXPECT_EQ(share_of(kMinSharedPixels / 10), 1.0);
+  EXPECT_FALSE(share_of(kMinSharedPixels / 10 - 1));
+}
+
+}  // namespace
+}  // namespace rigmap

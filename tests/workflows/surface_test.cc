@@ -1,0 +1,107 @@
+// The map of a small simulated part, judged by its truth and by its survey.
+#include <gmock/gmock.h>
+
+#include <nlohmann/json.hpp>
+
+#include "core/file.h"
+#include "tests/support/temporary_folder.h"
+#include "tests/workflows/rigmap_program.h"
+
+namespace rigmap {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+// Fourteen pairs of half size past rocks, with a receiver whose clock is 0.4 s off.
+class SurfaceOfASimulatedPart : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    folder_ = new TemporaryFolder;
+    const ProgramEnd simulated =
+        RunProgram(RIGMAP_SIMULATE_PROGRAM,
+                   {"--scene", "rocks", "--path", "s-curve", "--pairs", "14", "--spacing", "0.2",
+                    "--seed", "2", "--image-scale", "0.5", "--clock-offset", "0.4", "--depth-every",
+                    "1000", "--out", folder_->Path() / "simulated", "--quiet"});
+    ASSERT_EQ(simulated.exit_code, 0) << simulated.err;
+    const ProgramEnd end = Run({});
+    ASSERT_EQ(end.exit_code, 0) << end.err;
+  }
+  static void TearDownTestSuite() { delete folder_; }
+
+  static ProgramEnd Run(const std::vector<std::string>& more) {
+    std::vector<std::string> arguments{"part",  "--dataset", folder_->Path() / "simulated" / "data",
+                                       "--out", Out(),       "--truth",
+                                       Truth(), "--quiet"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return RunRigmap(arguments);
+  }
+  static fs::path Out() { return folder_->Path() / "out"; }
+  static fs::path Truth() { return folder_->Path() / "simulated" / "truth" / "Part1"; }
+  static json Evaluation() { return json::parse(ReadTextFile(Out() / "evaluation.json")); }
+
+  inline static TemporaryFolder* folder_ = nullptr;
+};
+
+TEST_F(SurfaceOfASimulatedPart, IsCloseToTheTruth) {
+  const json map = Evaluation()["map"];
+  EXPECT_GT(map["within_1.5m"]["f_1cm"].get<double>(), 0.96);
+  EXPECT_GT(map["within_2.5m"]["f_1cm"].get<double>(), 0.92);
+  EXPECT_LT(map["within_1.5m"]["accuracy_median_mm"].get<double>(), 3.5);
+  EXPECT_LT(map["within_3.5m"]["stray_over_20cm_pct"].get<double>(), 0.01);
+  const json rocks = Evaluation()["rocks"];
+  EXPECT_GE(rocks["rocks"], 2);
+  EXPECT_EQ(rocks["found"], rocks["rocks"]);
+  EXPECT_LT(rocks["shift_max_mm"].get<double>(), 10.0);
+}
+
+TEST_F(SurfaceOfASimulatedPart, HasItsDisparitiesWithoutBias) {
+  const json summary = json::parse(ReadTextFile(Out() / "summary.json"));
+  for (const json& gate : summary["gates"]) {
+    if (gate["name"] == "depth_bias_px") {
+      EXPECT_LT(gate["value"].get<double>(), 0.03);
+      return;
+    }
+  }
+  ADD_FAILURE() << "no gate depth_bias_px";
+}
+
+TEST_F(SurfaceOfASimulatedPart, IsJudgedTheSameByEvaluate) {
+  const ProgramEnd end = RunRigmap({"evaluate", Out(), "--truth", Truth(), "--json"});
+  ASSERT_EQ(end.exit_code, 0) << end.err;
+  const json again = json::parse(end.out);
+  EXPECT_EQ(again["map"], Evaluation()["map"]);
+  EXPECT_EQ(again["rocks"], Evaluation()["rocks"]);
+}
+
+TEST_F(SurfaceOfASimulatedPart, IsLaidOnItsFixesAndSurvey) {
+  const json rtk = Evaluation()["rtk"];
+  EXPECT_NEAR(rtk["clock_offset_s"].get<double>(), 0.4,
+              3.0 * rtk["clock_offset_sigma_s"].get<double>());
+  EXPECT_LT(rtk["rms_residual_m"].get<double>(), 0.02);
+  const json rocks = Evaluation()["surveyed_rocks"];
+  EXPECT_GE(rocks["expected"], 2);
+  EXPECT_EQ(rocks["found"], rocks["expected"]);
+  for (const json& rock : rocks["each"]) {
+    EXPECT_LE(rock["distance_m"].get<double>(), rock["limit_m"].get<double>());
+  }
+}
+
+TEST_F(SurfaceOfASimulatedPart, IsDrawnAndDrawnAgainWhereThatIsAskedFor) {
+  const std::string before = ReadTextFile(Out() / "height.tif");
+  for (const char* name : {"ortho.tif", "view_top.png", "view_side.png", "view_oblique.png"}) {
+    EXPECT_GT(fs::file_size(Out() / name), 1000U) << name;
+  }
+  const std::string ply = ReadTextFile(Out() / "dense.ply");
+  fs::remove(Out() / "height.tif");
+  ASSERT_EQ(Run({}).exit_code, 0);
+  EXPECT_EQ(ReadTextFile(Out() / "height.tif"), before);
+  EXPECT_EQ(ReadTextFile(Out() / "dense.ply"), ply);
+  for (const std::string& file : FilesIn(Out())) {
+    EXPECT_THAT(file, testing::Not(testing::HasSubstr("scratch")));
+    EXPECT_FALSE(IsTemporaryName(fs::path(file).filename())) << file;
+  }
+}
+
+}  // namespace
+}  // namespace rigmap
