@@ -1,8 +1,10 @@
 #include "fusion/depth_fusion.h"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <optional>
+#include <utility>
 
 #include "core/progress.h"
 #include "core/statistics.h"
@@ -38,8 +40,10 @@ class DepthFusion {
     frames.insert(frames.end(), compared.ahead.begin(), compared.ahead.end());
     const auto views = views_.Get(frames);
     const auto first_ahead = views.begin() + 1 + static_cast<std::ptrdiff_t>(compared.near.size());
-    return ConfirmedSamples(
+    auto samples = ConfirmedSamples(
         *views[0], {{views.begin() + 1, first_ahead}, {first_ahead, views.end()}}, options_);
+    Brighten(BrightnessFor(reference), samples);
+    return samples;
   }
 
  private:
@@ -50,36 +54,66 @@ class DepthFusion {
   bool AgreesAsOthersDo(std::size_t frame) {
     constexpr std::size_t kFewest = 3;  // neighbours, to tell which of two is wrong
     constexpr double kShare = 0.5;
-    const auto own = AgreementOf(frame);
+    const auto own = ShareOf(frame);
     std::vector<double> others;
     for (const std::size_t i : Near(frame)) {
-      if (const auto agreement = AgreementOf(i)) others.push_back(*agreement);
+      if (const auto agreement = ShareOf(i)) others.push_back(*agreement);
     }
     return !own || others.size() < kFewest || *own >= kShare * Median(std::move(others));
   }
 
+  // The factor that makes a frame as bright as those before it, since an exposure may step. It goes
+  // back to 1 over some thirty frames, lest errors add up.
+  double BrightnessFor(std::size_t frame) {
+    constexpr double kKept = 0.97;  // of its logarithm, from frame to frame
+    double sum = 0.0;
+    int count = 0;
+    for (const std::size_t i : Near(frame)) {
+      const auto before = log_brightness_.find(i);
+      const auto ratio = log_ratios_.find({frame, i});
+      if (before == log_brightness_.end() || ratio == log_ratios_.end()) continue;
+      sum += before->second + ratio->second;
+      ++count;
+    }
+    const double log_brightness = count > 0 ? kKept * sum / count : 0.0;
+    log_brightness_[frame] = log_brightness;
+    return std::exp(log_brightness);
+  }
+
+  static void Brighten(double factor, std::vector<SurfaceSample>& samples) {
+    for (SurfaceSample& sample : samples) {
+      for (std::uint8_t& value : sample.rgb) {
+        value = static_cast<std::uint8_t>(std::clamp(std::lround(factor * value), 0L, 255L));
+      }
+    }
+  }
+
   // With its neighbours, of which half agree with it better; nothing where it shares no view.
-  std::optional<double> AgreementOf(std::size_t frame) {
-    const auto known = agreements_.find(frame);
-    if (known != agreements_.end()) return known->second;
+  std::optional<double> ShareOf(std::size_t frame) {
+    const auto known = shares_.find(frame);
+    if (known != shares_.end()) return known->second;
     std::vector<std::size_t> frames{frame};
     for (const std::size_t i : Near(frame)) frames.push_back(i);
     const auto views = views_.Get(frames);
     std::vector<double> shares;
     for (std::size_t i = 1; i < views.size(); ++i) {
-      const auto share = AgreeingShare(*views[0], *views[i], options_);
-      if (share) shares.push_back(*share);
+      const auto agreement = AgreementOf(*views[0], *views[i], options_);
+      if (!agreement) continue;
+      shares.push_back(agreement->share);
+      log_ratios_[{frame, frames[i]}] = std::log(agreement->brightness);
     }
     const auto agreement = shares.empty() ? std::nullopt : std::optional(Median(std::move(shares)));
-    agreements_.emplace(frame, agreement);
+    shares_.emplace(frame, agreement);
     return agreement;
   }
 
   const FusionOptions& options_;
   std::vector<Rigid3> world_from_left_;
   ViewCache views_;
-  std::map<std::size_t, std::optional<double>> agreements_;
+  std::map<std::size_t, std::optional<double>> shares_;
   std::map<std::size_t, bool> soundness_;
+  std::map<std::pair<std::size_t, std::size_t>, double> log_ratios_;  // the second's to the first's
+  std::map<std::size_t, double> log_brightness_;                      // of frames that gave samples
 };
 
 }  // namespace

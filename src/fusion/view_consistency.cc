@@ -7,6 +7,7 @@
 #include <cmath>
 #include <optional>
 
+#include "core/statistics.h"
 #include "fusion/disparity_normal.h"
 
 namespace rigmap {
@@ -41,6 +42,7 @@ struct Opinion {
   Verdict verdict = Verdict::kNone;
   bool is_better = false;  // sees the point from clearly nearer
   Measurement own;         // of the neighbour, where it agrees
+  cv::Point pixel;         // of the neighbour's view
 };
 
 Opinion Ask(const Neighbour& neighbour, const Measurement& point, const FusionOptions& options) {
@@ -65,6 +67,7 @@ Opinion Ask(const Neighbour& neighbour, const Measurement& point, const FusionOp
     return opinion;
   }
   opinion.verdict = Verdict::kAgrees;
+  opinion.pixel = {column, row};
   opinion.own = {neighbour.reference_from_neighbour * map.PointInRectified(column, row, found_px),
                  map.DepthSigma(found_px, found_sigma_px)};
   return opinion;
@@ -162,23 +165,30 @@ std::vector<SurfaceSample> ConfirmedSamples(const DepthView& reference,
   return samples;
 }
 
-std::optional<double> AgreeingShare(const DepthView& reference, const DepthView& other,
-                                    const FusionOptions& options) {
+std::optional<ViewAgreement> AgreementOf(const DepthView& first, const DepthView& second,
+                                         const FusionOptions& options) {
   constexpr int kStride = 8;
-  const DepthView* const others[] = {&other};
-  const Neighbour neighbour = Prepare(reference, others).front();
-  int shared = 0, agreeing = 0;
-  for (int row = 0; row < reference.map.disparity.rows; row += kStride) {
-    for (int column = 0; column < reference.map.disparity.cols; column += kStride) {
-      const auto measured = MeasurementAt(reference.map, {column, row});
+  const DepthView* const others[] = {&second};
+  const Neighbour neighbour = Prepare(first, others).front();
+  const auto grey = [](const DepthMap& map, cv::Point pixel) {
+    const cv::Vec3b& bgr = map.colour.at<cv::Vec3b>(pixel);
+    return std::max(1.0, static_cast<double>(bgr[0]) + bgr[1] + bgr[2]);
+  };
+  int shared = 0;
+  std::vector<double> ratios;
+  for (int row = 0; row < first.map.disparity.rows; row += kStride) {
+    for (int column = 0; column < first.map.disparity.cols; column += kStride) {
+      const auto measured = MeasurementAt(first.map, {column, row});
       if (!measured) continue;
-      const Verdict verdict = Ask(neighbour, *measured, options).verdict;
-      if (verdict != Verdict::kNone) ++shared;
-      if (verdict == Verdict::kAgrees) ++agreeing;
+      const Opinion opinion = Ask(neighbour, *measured, options);
+      if (opinion.verdict != Verdict::kNone) ++shared;
+      if (opinion.verdict != Verdict::kAgrees) continue;
+      ratios.push_back(grey(second.map, opinion.pixel) / grey(first.map, {column, row}));
     }
   }
   if (shared < kMinSharedPixels) return std::nullopt;
-  return static_cast<double>(agreeing) / shared;
+  const double share = static_cast<double>(ratios.size()) / shared;
+  return ViewAgreement{share, ratios.empty() ? 1.0 : Median(std::move(ratios))};
 }
 
 }  // namespace rigmap

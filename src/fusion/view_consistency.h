@@ -31,10 +31,15 @@ std::vector<SurfaceSample> ConfirmedSamples(const DepthView& reference,
                                             const ComparedViews& compared,
                                             const FusionOptions& options);
 
-// Share of the pixels known in both views, of every eighth column and row of `reference`, on which
-// they agree. Nothing with fewer than kMinSharedPixels.
+// How two views go together, by every eighth column and row of the first.
+struct ViewAgreement {
+  double share = 0.0;       // of the pixels known in both, on which they agree
+  double brightness = 1.0;  // median of the second's grey value over the first's, where they agree
+};
+
+// Nothing with fewer than kMinSharedPixels known in both.
 inline constexpr int kMinSharedPixels = 100;
-std::optional<double> AgreeingShare(const DepthView& reference, const DepthView& other,
-                                    const FusionOptions& options);
+std::optional<ViewAgreement> AgreementOf(const DepthView& first, const DepthView& second,
+                                         const FusionOptions& options);
 
 }  // namespace rigmap

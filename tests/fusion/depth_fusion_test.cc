@@ -211,6 +211,20 @@ TEST_F(FuseDepthMapsOfGround, DoesNotDependOnTheOrderOfFrames) {
   }
 }
 
+TEST_F(FuseDepthMapsOfGround, EvensOutAStepOfTheExposure) {
+  Drive(8, {});
+  for (std::size_t i = 4; i < maps_.size(); ++i) maps_[i].colour *= 2.0;
+  Store();
+  int least = 255, most = 0;
+  for (const SurfacePoint& point : Fuse()) {
+    least = std::min<int>(least, point.rgb[2]);
+    most = std::max<int>(most, point.rgb[2]);
+  }
+  // Half the brightness of the later frames, but for the part of it that each gives back.
+  EXPECT_GE(least, 29);
+  EXPECT_LE(most, 36);
+}
+
 TEST_F(FuseDepthMapsOfGround, DoesNotDependOnTheNumberOfThreads) {
   Drive(3, {.noise_px = 0.1});
   const PointCloud several = Fuse();

@@ -88,43 +88,57 @@ TEST_F(ViewConsistency, LeavesPointsToANearerFrameAhead) {
 
 TEST_F(ViewConsistency, AgreesWithItself) {
   const DepthView view = ViewFrom(0.0, look_, random_);
-  EXPECT_EQ(AgreeingShare(view, view, options_), 1.0);
+  const auto agreement = AgreementOf(view, view, options_);
+  ASSERT_TRUE(agreement);
+  EXPECT_EQ(agreement->share, 1.0);
+  EXPECT_EQ(agreement->brightness, 1.0);
 }
 
 TEST_F(ViewConsistency, AgreesWithASoundNeighbour) {
   const DepthView view = ViewFrom(0.0, look_, random_);
-  const auto share = AgreeingShare(view, ViewFrom(0.3, look_, random_), options_);
-  ASSERT_TRUE(share);
-  EXPECT_GT(*share, 0.99);
+  const auto agreement = AgreementOf(view, ViewFrom(0.3, look_, random_), options_);
+  ASSERT_TRUE(agreement);
+  EXPECT_GT(agreement->share, 0.99);
 }
 
 TEST_F(ViewConsistency, DisagreesWithShiftedDepth) {
   const DepthView view = ViewFrom(0.0, look_, random_);
   DepthView shifted = ViewFrom(0.0, look_, random_);
   shifted.map.disparity *= 1.2;
-  const auto share = AgreeingShare(view, shifted, options_);
-  ASSERT_TRUE(share);
-  EXPECT_LT(*share, 0.01);
+  const auto agreement = AgreementOf(view, shifted, options_);
+  ASSERT_TRUE(agreement);
+  EXPECT_LT(agreement->share, 0.01);
+}
+
+TEST_F(ViewConsistency, TellsHowMuchBrighterTheSecondViewIs) {
+  const DepthView view = ViewFrom(0.0, look_, random_);
+  DepthView brighter = ViewFrom(0.1, look_, random_);
+  brighter.map.colour *= 2.0;
+  const auto agreement = AgreementOf(view, brighter, options_);
+  ASSERT_TRUE(agreement);
+  EXPECT_NEAR(agreement->brightness, 2.0, 1e-9);
+  EXPECT_NEAR(AgreementOf(brighter, view, options_)->brightness, 0.5, 1e-9);
 }
 
 TEST_F(ViewConsistency, SaysNothingOfFramesThatShareNoView) {
   const DepthView view = ViewFrom(0.0, look_, random_);
   Rigid3 turned = WorldFromLeft(0.0);
   turned.rotation = ExpRotation({0.0, 0.0, std::numbers::pi}) * turned.rotation;
-  EXPECT_FALSE(AgreeingShare(view, ViewOf(turned, look_, random_), options_));
+  EXPECT_FALSE(AgreementOf(view, ViewOf(turned, look_, random_), options_));
 }
 
 TEST_F(ViewConsistency, SaysNothingOfTooFewSharedPixels) {
   const DepthView view = ViewFrom(0.0, look_, random_);
-  const auto share_of = [&](int rows) {  // of ten asked pixels each
+  const auto agreement_of = [&](int rows) {  // of ten asked pixels each
     DepthView part = view;
     part.map.disparity = cv::Mat(view.map.disparity.size(), CV_32FC1, cv::Scalar(0.0));
     const cv::Rect known(80, 80, 80, 8 * rows);
     view.map.disparity(known).copyTo(part.map.disparity(known));
-    return AgreeingShare(part, view, options_);
+    return AgreementOf(part, view, options_);
   };
-  EXPECT_EQ(share_of(kMinSharedPixels / 10), 1.0);
-  EXPECT_FALSE(share_of(kMinSharedPixels / 10 - 1));
+  ASSERT_TRUE(agreement_of(kMinSharedPixels / 10));
+  EXPECT_EQ(agreement_of(kMinSharedPixels / 10)->share, 1.0);
+  EXPECT_FALSE(agreement_of(kMinSharedPixels / 10 - 1));
 }
 
 }  // namespace
