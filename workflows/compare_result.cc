@@ -44,17 +44,19 @@ nlohmann::ordered_json CompareWithTruth(const std::vector<TumPose>& estimate,
 
 std::string DescribeTruth(const fs::path& truth_tum) {
   std::string text = HashText(ReadTextFile(truth_tum));
-  const fs::path folder = truth_tum.parent_path();
-  for (const fs::path& path : {folder / "surface.ply", folder.parent_path() / "rocks.json"}) {
-    std::error_code ignored;
-    if (fs::exists(path, ignored)) text += fmt::format(" {}", HashFile(path));
+  for (const fs::path& path : MapTruthFiles(truth_tum.parent_path())) {
+    text += fmt::format(" {}", HashFile(path));
   }
   return text;
 }
 
+bool HasFixes(const Dataset& dataset) {
+  return !dataset.fixes.empty() && dataset.rig.antenna_in_left;
+}
+
 nlohmann::ordered_json CompareWithSurvey(const Trajectory& trajectory, const Dataset& dataset,
                                          const fs::path& map_ply, const PartOptions& options) {
-  if (dataset.fixes.empty() || !dataset.rig.antenna_in_left) return nullptr;
+  if (!HasFixes(dataset)) return nullptr;
   const RtkFit fit =
       AlignToRtk(dataset.fixes, trajectory, *dataset.rig.antenna_in_left, options.georeference);
   nlohmann::ordered_json json;

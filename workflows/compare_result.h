@@ -23,9 +23,11 @@ nlohmann::ordered_json CompareWithTruth(const std::vector<TumPose>& estimate,
 // Text that changes when what CompareWithTruth reads of the truth does.
 std::string DescribeTruth(const std::filesystem::path& truth_tum);
 
+// Whether there are satellite fixes, and the rig knows where the antenna is.
+bool HasFixes(const Dataset& dataset);
+
 // `rtk`: how the trajectory lies on the satellite fixes, or why it cannot be laid there; and where
-// it can and there are surveyed rocks, `surveyed_rocks` (rock_survey.h). Null without fixes or
-// without an antenna in the rig.
+// it can and there are surveyed rocks, `surveyed_rocks` (rock_survey.h). Null unless HasFixes.
 nlohmann::ordered_json CompareWithSurvey(const Trajectory& trajectory, const Dataset& dataset,
                                          const std::filesystem::path& map_ply,
                                          const PartOptions& options);

@@ -80,19 +80,6 @@ std::vector<std::vector<Eigen::Vector3d>> PointsInLeft(const Adjustment& adjustm
   return points;
 }
 
-// 255 but where the rover's own body or shadow is seen.
-cv::Mat LeftMask(const RigFixedCells& cells, const Camera& camera) {
-  cv::Mat mask(camera.height, camera.width, CV_8UC1, cv::Scalar(255));
-  for (std::size_t i = 0; i < cells.fixed.size(); ++i) {
-    if (cells.fixed[i] == 0) continue;
-    const int column = static_cast<int>(i) % cells.columns,
-              row = static_cast<int>(i) / cells.columns;
-    const cv::Rect cell(column * cells.cell_px, row * cells.cell_px, cells.cell_px, cells.cell_px);
-    mask(cell & cv::Rect(0, 0, mask.cols, mask.rows)).setTo(0);
-  }
-  return mask;
-}
-
 // How many frames may be dense-matched at once (DenseMatcher states what each needs).
 int DenseThreads(const StereoRig& rig, const PartRequest& request) {
   const Camera& camera = rig.left.camera;
@@ -134,8 +121,9 @@ DepthIndex PartStages::MatchAllDense(const Dataset& dataset, const RigFixedCells
   DepthIndex index;
   index.frames = frames;
   index.keys.resize(index.frames.size());
+  const Camera& camera = part.adjustment.rig.left.camera;
   const DenseMatcher matcher(part.adjustment.rig, request_.options.dense, request_.options.masks,
-                             LeftMask(rig_fixed, part.adjustment.rig.left.camera));
+                             rig_fixed.Mask(camera.width, camera.height));
   const auto points = PointsInLeft(part.adjustment);
   const std::string views = DescribeRig(part.adjustment.rig) +
                             std::string(rig_fixed.fixed.begin(), rig_fixed.fixed.end());
@@ -233,7 +221,6 @@ void PartStages::Evaluate(const Dataset& dataset, const AdjustedPart& part) cons
     if (metrics.empty()) return;
     WriteFileAtomically(json, [&](std::ostream& stream) { stream << metrics; });
   };
-  const bool has_any = !truth.empty() || (!dataset.fixes.empty() && dataset.rig.antenna_in_left);
   run_.Run(Stage<std::string>{
       .name = "evaluation",
       .options = OptionsText(options.evaluation) + OptionsText(options.georeference) +
@@ -241,7 +228,8 @@ void PartStages::Evaluate(const Dataset& dataset, const AdjustedPart& part) cons
                  (truth.empty() ? "" : DescribeTruth(truth)) + DescribeSurvey(dataset),
       .make = make,
       .publish = publish,
-      .published = has_any ? std::vector<fs::path>{json} : std::vector<fs::path>(),
+      .published = !truth.empty() || HasFixes(dataset) ? std::vector<fs::path>{json}
+                                                       : std::vector<fs::path>(),
   });
 }
 

@@ -9,7 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
-#include "evaluation/interpolated_quantile.h"
+#include "core/statistics.h"
 #include "evaluation/rounded.h"
 
 namespace rigmap {

@@ -3,7 +3,7 @@
 #include <tbb/parallel_invoke.h>
 
 #include "evaluation/matched_poses.h"
-#include "evaluation/ply_rows.h"
+#include "export/ply_rows.h"
 #include "geometry/alignment.h"
 
 namespace rigmap {

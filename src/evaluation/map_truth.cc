@@ -6,7 +6,7 @@
 
 #include "core/error.h"
 #include "core/file.h"
-#include "evaluation/ply_rows.h"
+#include "export/ply_rows.h"
 
 namespace rigmap {
 namespace {
@@ -14,6 +14,9 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr float kNormalUnit = 127.0F;  // the length that unit normals have in the file
+
+fs::path SurfaceFile(const fs::path& folder) { return folder / "surface.ply"; }
+fs::path RocksFile(const fs::path& folder) { return folder / ".." / "rocks.json"; }
 
 TrueSurface ReadSurface(const fs::path& path, bool kind_needed) {
   PlyRows rows(path);
@@ -62,13 +65,19 @@ std::vector<TrueRock> ReadRocks(const fs::path& path) {
 }  // namespace
 
 std::optional<MapTruth> ReadMapTruth(const fs::path& folder) {
-  const fs::path surface = folder / "surface.ply";
+  const fs::path surface = SurfaceFile(folder);
   if (!fs::exists(surface)) return std::nullopt;
   MapTruth truth;
   truth.path = ReadTum(folder / "trajectory.tum");
-  truth.rocks = ReadRocks(folder / ".." / "rocks.json");
+  truth.rocks = ReadRocks(RocksFile(folder));
   truth.surface = ReadSurface(surface, !truth.rocks.empty());
   return truth;
+}
+
+std::vector<fs::path> MapTruthFiles(const fs::path& folder) {
+  std::vector<fs::path> files{SurfaceFile(folder), RocksFile(folder)};
+  std::erase_if(files, [](const fs::path& file) { return !fs::exists(file); });
+  return files;
 }
 
 }  // namespace rigmap

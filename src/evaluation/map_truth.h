@@ -45,4 +45,7 @@ struct MapTruth {
 // naming file, expected and found for anything else.
 std::optional<MapTruth> ReadMapTruth(const std::filesystem::path& folder);
 
+// Those of the files that ReadMapTruth reads besides the trajectory which exist.
+std::vector<std::filesystem::path> MapTruthFiles(const std::filesystem::path& folder);
+
 }  // namespace rigmap

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "evaluation/interpolated_quantile.h"
+#include "core/statistics.h"
 
 namespace rigmap {
 namespace {

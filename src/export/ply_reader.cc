@@ -4,10 +4,7 @@
 
 #include <algorithm>
 #include <array>
-#include <cerrno>
-#include <cstring>
 #include <limits>
-#include <string>
 
 #include "core/error.h"
 #include "export/ply.h"
@@ -27,14 +24,15 @@ struct SurfaceProperties {
   const PlyProperty* observations;
   const PlyProperty* sigma;
 
-  SurfaceProperties(const PlyHeader& header, const std::string& file)
-      : x{header.Find("x"), header.Find("y"), header.Find("z")},
-        normal{header.Find("nx"), header.Find("ny"), header.Find("nz")},
-        rgb{header.Find("red"), header.Find("green"), header.Find("blue")},
-        observations(header.Find("observations")),
-        sigma(header.Find("sigma")) {
+  explicit SurfaceProperties(const PlyRows& rows)
+      : x{rows.Find("x"), rows.Find("y"), rows.Find("z")},
+        normal{rows.Find("nx"), rows.Find("ny"), rows.Find("nz")},
+        rgb{rows.Find("red"), rows.Find("green"), rows.Find("blue")},
+        observations(rows.Find("observations")),
+        sigma(rows.Find("sigma")) {
     if (!x[0] || !x[1] || !x[2]) {
-      throw DataError(fmt::format("{}: expected vertices with x, y and z, found none", file));
+      throw DataError(
+          fmt::format("{}: expected vertices with x, y and z, found none", rows.name()));
     }
   }
 
@@ -55,34 +53,15 @@ struct SurfaceProperties {
 
 }  // namespace
 
-PlyReader::PlyReader(const std::filesystem::path& path)
-    : path_(path), stream_(path, std::ios::binary) {
-  if (!stream_ || std::filesystem::is_directory(path)) {
-    throw DataError(fmt::format("{}: cannot read: {}", path.string(), std::strerror(errno)));
-  }
-  header_ = ReadPlyHeader(stream_, path.string());
-  static_cast<void>(SurfaceProperties(header_, path.string()));  // refuses one without x y z
-  const auto bytes_left = std::filesystem::file_size(path) - stream_.tellg();
-  if (bytes_left / header_.row_bytes < header_.vertex_count) {
-    throw DataError(fmt::format("{}: expected {} vertices of {} bytes, found {} bytes",
-                                path.string(), header_.vertex_count, header_.row_bytes,
-                                bytes_left));
-  }
+PlyReader::PlyReader(const std::filesystem::path& path) : rows_(path) {
+  static_cast<void>(SurfaceProperties(rows_));  // refuses one without x y z
 }
 
 bool PlyReader::Read(PointCloud& block) {
-  const auto count =
-      std::min<std::uint64_t>(kMaxPointsPerBlock, header_.vertex_count - points_read_);
+  const auto count = std::min<std::uint64_t>(kMaxPointsPerBlock, rows_.size() - points_read_);
+  const SurfaceProperties properties(rows_);
   block.assign(count, {});
-  rows_.resize(count * header_.row_bytes);
-  stream_.read(rows_.data(), static_cast<std::streamsize>(rows_.size()));
-  if (!stream_) throw DataError(fmt::format("{}: cannot read its vertices", path_.string()));
-  const SurfaceProperties properties(header_, path_.string());
-  const char* row = rows_.data();
-  for (SurfacePoint& point : block) {
-    point = properties.Point(row);
-    row += header_.row_bytes;
-  }
+  for (SurfacePoint& point : block) point = properties.Point(rows_.Next());
   points_read_ += count;
   return count > 0;
 }

@@ -4,10 +4,9 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
-#include <fstream>
 #include <vector>
 
-#include "export/ply_header.h"
+#include "export/ply_rows.h"
 #include "scene/point_cloud.h"
 
 namespace rigmap {
@@ -20,18 +19,15 @@ class PlyReader {
   // Reads the header. Throws DataError naming the file.
   explicit PlyReader(const std::filesystem::path& path);
 
-  std::uint64_t point_count() const { return header_.vertex_count; }
+  std::uint64_t point_count() const { return rows_.size(); }
 
   // Replaces `block` by the next points in the file's order, at most kMaxPointsPerBlock. False, and
   // none, after the last. Throws DataError when the file cannot be read on.
   bool Read(PointCloud& block);
 
  private:
-  std::filesystem::path path_;
-  std::ifstream stream_;
-  PlyHeader header_;
+  PlyRows rows_;
   std::uint64_t points_read_ = 0;
-  std::vector<char> rows_;  // of the current block, as they lie in the file
 };
 
 }  // namespace rigmap

@@ -51,6 +51,17 @@ bool RigFixedCells::Cover(const Eigen::Vector2d& pixel) const {
   return fixed[static_cast<std::size_t>(cell)] != 0;
 }
 
+cv::Mat RigFixedCells::Mask(int width, int height) const {
+  cv::Mat mask(height, width, CV_8UC1, cv::Scalar(255));
+  for (std::size_t i = 0; i < fixed.size(); ++i) {
+    if (fixed[i] == 0) continue;
+    const int index = static_cast<int>(i);
+    const cv::Rect cell(index % columns * cell_px, index / columns * cell_px, cell_px, cell_px);
+    mask(cell & cv::Rect(0, 0, width, height)).setTo(0);
+  }
+  return mask;
+}
+
 void RigFixedCells::RemoveFrom(FrameFeatures& features) const {
   std::size_t kept = 0;
   for (std::size_t i = 0; i < features.features.size(); ++i) {

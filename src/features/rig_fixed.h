@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <opencv2/core.hpp>
 #include <vector>
 
 #include "geometry/camera.h"
@@ -18,6 +19,8 @@ struct RigFixedCells {
   std::vector<std::uint8_t> fixed;  // not 0 where what is seen belongs to the rig
 
   bool Cover(const Eigen::Vector2d& pixel) const;
+  // CV_8UC1 of this size (px, the left image's): 0 in fixed cells, else 255.
+  cv::Mat Mask(int width, int height) const;
   // Takes the features in fixed cells, with all that belongs to them, away.
   void RemoveFrom(FrameFeatures& features) const;
 

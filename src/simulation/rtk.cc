@@ -41,38 +41,40 @@ double RoundedToMinutes(double degrees) { return std::round(degrees * 60.0 * 1e8
 
 }  // namespace
 
-std::vector<RtkFix> SimulateRtk(const RoverMotion& motion, const RoverMount& mount,
-                                const LocalFrame& local, const SensorClock& clock,
-                                const RtkFaults& faults) {
+std::vector<GnssFix> SimulateRtk(const RoverMotion& motion, const RoverMount& mount,
+                                 const LocalFrame& local, const SensorClock& clock,
+                                 const RtkFaults& faults) {
   SeededNoise noise(clock.seed, "rtk");
   const double end_s = motion.path().duration_s() + kSensorsAfter_s;
   const double first_s = -kSensorsBefore_s + noise.Between(0.0, kInterval_s);
-  std::vector<RtkFix> fixes;
+  std::vector<GnssFix> fixes;
   for (int i = 0; first_s + i * kInterval_s < end_s; ++i) {
     const double jitter_s = noise.Normal(0.0008);
     const Eigen::Vector3d unit_error = noise.Normal(Eigen::Vector3d::Ones());
-    RtkFix fix;
+    GnssFix fix;
     fix.stamp_ns = clock.StampAt(first_s + i * kInterval_s + jitter_s + faults.clock_offset_s);
     const double time_s = clock.TimeAt(fix.stamp_ns) - faults.clock_offset_s;
     const Reception reception = ReceptionAt(faults.outages, time_s);
     fix.sigma_enu_m = StatedSigmas(reception, noise);
     if (reception == Reception::kNone) continue;
-    fix.status = reception == Reception::kFixed ? "RTK_FIXED" : "RTK_FLOAT";
+    fix.status = reception == Reception::kFixed ? std::string(kRtkFixed) : "RTK_FLOAT";
     const Eigen::Vector3d sigma_m = reception == Reception::kFixed ? kFixedSigma_m : kFloatSigma_m;
     const Eigen::Vector3d antenna = motion.WorldFromBody(time_s) * mount.AntennaInBody();
-    fix.antenna = local.ToGeodetic(antenna + sigma_m.cwiseProduct(unit_error));
+    const Geodetic measured = local.ToGeodetic(antenna + sigma_m.cwiseProduct(unit_error));
+    fix.latitude_deg = measured.latitude_deg;
+    fix.longitude_deg = measured.longitude_deg;
+    fix.altitude_m = measured.altitude_m;
     fixes.push_back(fix);
   }
   return fixes;
 }
 
-void WriteRtkRows(std::ostream& stream, std::span<const RtkFix> fixes) {
-  for (const RtkFix& fix : fixes) {
+void WriteRtkRows(std::ostream& stream, std::span<const GnssFix> fixes) {
+  for (const GnssFix& fix : fixes) {
     stream << fmt::format("{} {} {:.15g} {:.15g} {:.9g} {:.3g} {:.3g} {:.3g}\n",
                           FormatKatwijkStampAsRecorded(fix.stamp_ns), fix.status,
-                          RoundedToMinutes(fix.antenna.latitude_deg),
-                          RoundedToMinutes(fix.antenna.longitude_deg),
-                          std::round(fix.antenna.altitude_m * 1000.0) / 1000.0, fix.sigma_enu_m.y(),
+                          RoundedToMinutes(fix.latitude_deg), RoundedToMinutes(fix.longitude_deg),
+                          std::round(fix.altitude_m * 1000.0) / 1000.0, fix.sigma_enu_m.y(),
                           fix.sigma_enu_m.x(), fix.sigma_enu_m.z());
   }
 }

@@ -1,24 +1,16 @@
 // What the rover's satellite receiver writes.
 #pragma once
 
-#include <Eigen/Core>
 #include <iosfwd>
 #include <span>
-#include <string>
 #include <vector>
 
 #include "georeference/local_frame.h"
+#include "scene/survey.h"
 #include "simulation/rover_motion.h"
 #include "simulation/sensor_clock.h"
 
 namespace rigmap {
-
-struct RtkFix {
-  StampNs stamp_ns = 0;  // by the receiver's clock
-  std::string status;    // RTK_FIXED or RTK_FLOAT
-  Geodetic antenna;      // as measured
-  Eigen::Vector3d sigma_enu_m = Eigen::Vector3d::Zero();
-};
 
 struct RtkFaults {
   // Stamp of a fix minus the time, by the images' clock, at which the antenna was there.
@@ -31,13 +23,13 @@ struct RtkFaults {
 // A fix every 3 s, give or take a millisecond or two, while the sensors run, with normal noise of
 // 4 mm east, 5 mm north and 9 mm up (RTK_FLOAT: 0.18, 0.22 and 0.4 m). `local` tells where on
 // Earth the world's origin is.
-std::vector<RtkFix> SimulateRtk(const RoverMotion& motion, const RoverMount& mount,
-                                const LocalFrame& local, const SensorClock& clock,
-                                const RtkFaults& faults);
+std::vector<GnssFix> SimulateRtk(const RoverMotion& motion, const RoverMount& mount,
+                                 const LocalFrame& local, const SensorClock& clock,
+                                 const RtkFaults& faults);
 
 // gps-latlong.txt: stamp, status, latitude and longitude (degrees, in steps of 1e-8 minutes,
 // 0.02 mm), altitude (m above the ellipsoid), sigmas north, east, up (m). Katwijk's
 // gps-utm31.txt holds the very same rows.
-void WriteRtkRows(std::ostream& stream, std::span<const RtkFix> fixes);
+void WriteRtkRows(std::ostream& stream, std::span<const GnssFix> fixes);
 
 }  // namespace rigmap

@@ -3,7 +3,7 @@
 
 #include <limits>
 
-#include "evaluation/interpolated_quantile.h"
+#include "core/statistics.h"
 #include "evaluation/point_tree.h"
 #include "tests/support/seeded_random.h"
 

@@ -89,5 +89,17 @@ TEST_F(RigFixedTest, WithoutVotesNothingIsCovered) {
   EXPECT_EQ(same.features.size(), first_.features.size());
 }
 
+TEST(RigFixedCells, MaskIsZeroWhereTheyCover) {
+  const RigFixedCells cells{8, 3, {0, 1, 0, 0, 0, 1}};
+  const cv::Mat mask = cells.Mask(22, 15);  // the last column and row of cells are cut off
+  ASSERT_EQ(mask.size(), cv::Size(22, 15));
+  for (int row = 0; row < mask.rows; ++row) {
+    for (int column = 0; column < mask.cols; ++column) {
+      EXPECT_EQ(mask.at<uchar>(row, column) == 0, cells.Cover({column, row}));
+    }
+  }
+  EXPECT_EQ(cv::countNonZero(RigFixedCells().Mask(5, 4)), 20);
+}
+
 }  // namespace
 }  // namespace rigmap

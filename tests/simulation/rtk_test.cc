@@ -19,13 +19,16 @@ double Ground(double east_m, double north_m) {
 
 class Rtk : public testing::Test {
  protected:
-  std::vector<RtkFix> Fixes(const RtkFaults& faults) const {
+  std::vector<GnssFix> Fixes(const RtkFaults& faults) const {
     return SimulateRtk(motion_, mount_, local_, kClock, faults);
   }
+  Eigen::Vector3d EnuOf(const GnssFix& fix) const {
+    return local_.ToEnu({fix.latitude_deg, fix.longitude_deg, fix.altitude_m});
+  }
   // Measured minus true antenna, metres east, north, up.
-  Eigen::Vector3d ErrorOf(const RtkFix& fix, double clock_offset_s) const {
+  Eigen::Vector3d ErrorOf(const GnssFix& fix, double clock_offset_s) const {
     const double time_s = kClock.TimeAt(fix.stamp_ns) - clock_offset_s;
-    return local_.ToEnu(fix.antenna) - motion_.WorldFromBody(time_s) * mount_.AntennaInBody();
+    return EnuOf(fix) - motion_.WorldFromBody(time_s) * mount_.AntennaInBody();
   }
 
   RoverMotion motion_{MakeRoverPath({"traverse3", 1000, 0.2, 1.25, 1.2}), Ground};
@@ -38,7 +41,7 @@ TEST_F(Rtk, ErrorsHaveTheStatedSigmas) {
     const auto fixes = Fixes({clock_offset_s, {}});
     ASSERT_GT(fixes.size(), 400U);
     Eigen::Vector3d squares = Eigen::Vector3d::Zero(), sum = Eigen::Vector3d::Zero();
-    for (const RtkFix& fix : fixes) {
+    for (const GnssFix& fix : fixes) {
       EXPECT_EQ(fix.status, "RTK_FIXED");
       sum += ErrorOf(fix, clock_offset_s);
       squares += ErrorOf(fix, clock_offset_s).cwiseAbs2();
@@ -67,7 +70,7 @@ TEST_F(Rtk, OutageDegradesThenHoldsItsTongue) {
   const auto fixes = Fixes({0.2, {outage}});
   EXPECT_EQ(fixes.size() + 6, Fixes({0.2, {}}).size());
   int unsure = 0;
-  for (const RtkFix& fix : fixes) {
+  for (const GnssFix& fix : fixes) {
     const double time_s = kClock.TimeAt(fix.stamp_ns) - 0.2;
     EXPECT_EQ(fix.status == "RTK_FLOAT", outage.Contains(time_s));
     EXPECT_EQ(fix.sigma_enu_m.x() > 0.1, outage.Contains(time_s));
@@ -80,8 +83,8 @@ TEST_F(Rtk, OutageDegradesThenHoldsItsTongue) {
 // An outage changes nothing outside itself.
 TEST_F(Rtk, OutageLeavesTheOtherFixesAsTheyWere) {
   const auto with = Fixes({0.0, {{100.0, 130.0}}}), without = Fixes({});
-  EXPECT_EQ(with.front().antenna.latitude_deg, without.front().antenna.latitude_deg);
-  EXPECT_EQ(with.back().antenna.latitude_deg, without.back().antenna.latitude_deg);
+  EXPECT_EQ(with.front().latitude_deg, without.front().latitude_deg);
+  EXPECT_EQ(with.back().latitude_deg, without.back().latitude_deg);
 }
 
 TEST_F(Rtk, RowsReadBack) {
@@ -98,10 +101,10 @@ TEST_F(Rtk, RowsReadBack) {
         sigma_neu_m.x() >> sigma_neu_m.y() >> sigma_neu_m.z();
     ASSERT_TRUE(words) << line;
     EXPECT_FALSE(words >> rest) << line;
-    const RtkFix& fix = fixes.at(count);
+    const GnssFix& fix = fixes.at(count);
     EXPECT_EQ(ParseKatwijkStamp(stamp), fix.stamp_ns);
     EXPECT_EQ(status, fix.status);
-    EXPECT_LT((local_.ToEnu(place) - local_.ToEnu(fix.antenna)).norm(), 6e-4);  // m
+    EXPECT_LT((local_.ToEnu(place) - EnuOf(fix)).norm(), 6e-4);  // m
     EXPECT_NEAR(sigma_neu_m.x(), fix.sigma_enu_m.y(), 1e-9);
     EXPECT_NEAR(sigma_neu_m.y(), fix.sigma_enu_m.x(), 1e-9);
   }
@@ -110,10 +113,10 @@ TEST_F(Rtk, RowsReadBack) {
 
 TEST_F(Rtk, FollowsItsSeed) {
   const auto once = Fixes({}), again = Fixes({});
-  EXPECT_EQ(once.at(5).antenna.latitude_deg, again.at(5).antenna.latitude_deg);
+  EXPECT_EQ(once.at(5).latitude_deg, again.at(5).latitude_deg);
   const auto other =
       SimulateRtk(motion_, mount_, local_, {kClock.start_stamp_ns, kClock.seed + 1}, {});
-  EXPECT_NE(once.at(5).antenna.latitude_deg, other.at(5).antenna.latitude_deg);
+  EXPECT_NE(once.at(5).latitude_deg, other.at(5).latitude_deg);
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include "evaluation/ply_rows.h"
+#include "export/ply_rows.h"
 
 #include <fmt/format.h>
 

@@ -1,4 +1,4 @@
-// The vertices of a PLY file row by row, for the properties that export's readers pass over.
+// The vertices of a PLY file row by row, whatever their properties.
 #pragma once
 
 #include <Eigen/Core>
@@ -22,6 +22,7 @@ class PlyRows {
   explicit PlyRows(const std::filesystem::path& path);
 
   std::uint64_t size() const { return header_.vertex_count; }
+  const std::string& name() const { return name_; }  // of the file
   const PlyProperty* Find(const char* name) const { return header_.Find(name); }
   // As Find, but throws where there is no such property.
   const PlyProperty& At(const char* name) const;
