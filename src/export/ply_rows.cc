@@ -12,7 +12,7 @@
 namespace rigmap {
 namespace {
 
-constexpr std::uint64_t kBlockBytes = 1 << 20;
+constexpr std::uint64_t kBlockBytes = 1 << 18;
 
 std::string NamesOf(const PlyHeader& header) {
   std::string names;
