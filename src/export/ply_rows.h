@@ -14,7 +14,8 @@
 
 namespace rigmap {
 
-// Holds a quarter of a megabyte of the file at a time. Every complaint is a DataError naming the file.
+// Holds a quarter of a megabyte of the file at a time. Every complaint is a DataError naming the
+// file.
 class PlyRows {
  public:
   // Throws for anything but a binary little-endian PLY whose first element is `vertex`, and for a
