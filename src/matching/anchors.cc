@@ -1,6 +1,7 @@
 #include "matching/anchors.h"
 
 #include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
 
 namespace rigmap {
@@ -13,6 +14,17 @@ Eigen::Vector2d OffsetInPatch(const Eigen::Vector2d& pixel) {
 }
 
 const Eigen::Vector2i kPatchCentre(kPatchRadius, kPatchRadius);
+
+// A window no larger than what is sure to stay within the later view's patch as it grows and
+// shifts.
+PatchAlignmentOptions WindowFor(const PatchWarp& start) {
+  PatchAlignmentOptions options;
+  options.max_shift_px = 2.0;
+  const double growth = start.linear.cwiseAbs().rowwise().sum().maxCoeff();
+  const double room_px = (kPatchRadius - options.max_shift_px) / growth;
+  options.radius_px = static_cast<int>(std::min<double>(options.radius_px, room_px));
+  return options;
+}
 
 }  // namespace
 
@@ -46,10 +58,8 @@ bool AlignWithAnchor(const AnchoredFrame& earlier, int a, AnchoredFrame& later, 
   start.linear = expected.later_from_earlier * anchor.frame_from_patch;
   start.bend = expected.bend;
   start.position = found - patch_origin - start.linear * anchor.offset;
-  PatchAlignmentOptions alignment;
-  alignment.max_shift_px = 2.0;
-  const auto result =
-      AlignPatch(View(anchor.patch), kPatchCentre, View(later.found.patches[b]), start, alignment);
+  const auto result = AlignPatch(View(anchor.patch), kPatchCentre, View(later.found.patches[b]),
+                                 start, WindowFor(start));
   if (!result || result->correlation < options.min_correlation ||
       result->sigma_px > options.max_position_sigma_px) {
     return false;

@@ -57,7 +57,8 @@ class FrameMatcher {
                                returned ? motion.current_from_reference : predicted, returned);
     spdlog::info("{} {}: {} verified, {} aligned", pair.a, pair.b, verified.matches.size(),
                  refined.matches.size());
-    if (static_cast<int>(refined.matches.size()) < options_.min_inliers) return;
+    // Their motion is proven; of those that prove it half have to agree in looks, too.
+    if (static_cast<int>(refined.matches.size()) < options_.min_inliers / 2) return;
     result_.pairs.push_back(std::move(refined));
     if (!returned) return;
     result_.revisits.push_back({pair.a, pair.b, motion.current_from_reference, motion.covariance,

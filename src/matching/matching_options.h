@@ -33,6 +33,8 @@ struct MatchingOptions {
   double keypoint_noise_px = 0.3;
   double disparity_noise_px = 0.15;
   double max_sigmas = 4.0;
+  // Fewer agreeing matches make no motion; with fewer than half of them aligned the pair is
+  // dropped.
   int min_inliers = 15;
   // Positions are refined by aligning grey patches with the first view of a place; a patch that
   // correlates less, or whose position is less certain (px), is dropped from the match.

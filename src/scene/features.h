@@ -15,7 +15,8 @@
 namespace rigmap {
 
 constexpr int kDescriptorSize = 128;
-constexpr int kPatchRadius = 10;
+// Holds the window that is aligned (13 x 13) where it has grown by three quarters.
+constexpr int kPatchRadius = 14;
 constexpr int kPatchSize = 2 * kPatchRadius + 1;
 
 using Descriptor = std::array<std::uint8_t, kDescriptorSize>;

@@ -102,6 +102,26 @@ TEST_F(AnchorsTest, AnchorsAreHandedOn) {
   EXPECT_LT(Median(mismatches_px), 0.03);
 }
 
+TEST_F(AnchorsTest, PlacesThatGrewByThreeQuartersAreAligned) {
+  rover_ = MakeSyntheticRover(
+      {.points_per_m2 = 24.0, .pixel_sigma = kNoise_px, .textured_patches = true},
+      {RoverPose(0.0, 0.0, 0.0), RoverPose(0.8, 0.0, 0.0)});
+  const AnchoredFrame earlier = MakeAnchored(rover_.frames[0]);
+  AnchoredFrame later = MakeAnchored(rover_.frames[1]);
+  int tried = 0;
+  std::vector<double> after_px;
+  for (const auto& [a, b] : TrueMatches(rover_, 0, 1)) {
+    const double growth = Growth(0, a, 1, b);
+    if (growth < 1.4 || growth > 1.75) continue;
+    ++tried;
+    if (!AlignWithAnchor(earlier, a, later, b, Grown(growth), options_)) continue;
+    after_px.push_back(Mismatch_px(0, a, 1, b, later));
+  }
+  EXPECT_GT(tried, 20);
+  EXPECT_GT(after_px.size(), 0.8 * tried);
+  EXPECT_LT(Median(after_px), 0.05);
+}
+
 TEST_F(AnchorsTest, PatchesThatDisagreeChangeNothing) {
   const AnchoredFrame earlier = MakeAnchored(rover_.frames[0]);
   AnchoredFrame later = MakeAnchored(rover_.frames[1]);
