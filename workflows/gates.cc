@@ -25,6 +25,24 @@ void JudgePrediction(const GateInputs& inputs, const GateOptions& options, Gates
                          "share of frames whose pose was guessed, nothing in them being measured"));
 }
 
+// How well the distance to the farthest measured frame is known, as a share of it or of a metre if
+// it is shorter; nothing for a rig that stands.
+std::optional<double> DistanceSigmaPct(const GateInputs& inputs) {
+  const Trajectory& trajectory = inputs.trajectory;
+  double farthest_m = inputs.rig.Baseline();
+  std::optional<double> pct;
+  for (const TimedPose& pose : trajectory) {
+    if (pose.source == PoseSource::kPredicted) continue;
+    const Eigen::Vector3d way =
+        pose.world_from_left.translation - trajectory.front().world_from_left.translation;
+    if (way.norm() < farthest_m) continue;
+    farthest_m = way.norm();
+    const double sigma_m = way.normalized().cwiseProduct(pose.sigmas.head<3>()).norm();
+    pct = 100.0 * sigma_m / std::max(1.0, farthest_m);
+  }
+  return pct;
+}
+
 // What the trajectory's own sigmas say of its frames that were measured.
 void JudgeSigmas(const GateInputs& inputs, const GateOptions& options, Gates& gates) {
   std::optional<double> pct;
@@ -44,6 +62,8 @@ void JudgeSigmas(const GateInputs& inputs, const GateOptions& options, Gates& ga
   }
   gates.push_back(AtMost("position_sigma_pct", pct, options.position_sigma_pct,
                          "root mean square sigma of the measured positions, per cent of the path"));
+  gates.push_back(AtMost("scale_sigma_pct", DistanceSigmaPct(inputs), options.scale_sigma_pct,
+                         "sigma of the distance from the first to the farthest frame, per cent"));
 }
 
 struct StepDifference {
@@ -112,6 +132,7 @@ OptionFields GateOptions::Fields() {
           {"registered", &registered},
           {"predicted", &predicted},
           {"position_sigma_pct", &position_sigma_pct},
+          {"scale_sigma_pct", &scale_sigma_pct},
           {"motion_agreement_sigmas", &motion_agreement_sigmas},
           {"motion_agreement_pct", &motion_agreement_pct},
           {"reprojection_px", &reprojection_px},

@@ -24,9 +24,12 @@ struct GateOptions {
   // fifth of the trajectory is guessed it is not a measurement any more.
   double predicted = 0.2;
   // Root mean square of the position sigmas of all other frames, per cent of the path: what the
-  // result says of itself. Twice it are the 0.2 % that depths and focal lengths are held to;
-  // tracked parts have 0.01 to 0.05.
+  // result says of itself. Tracked parts have 0.01 to
+  // 0.05.
   double position_sigma_pct = 0.1;
+  // Sigma of the distance from the first to the farthest measured frame, per cent of it (or of a
+  // metre, if it is shorter): 0.2 % is 2.5 of these.
+  double scale_sigma_pct = 0.08;
   // Mapped against odometric steps: their difference in sigmas of the odometry (whose sigmas know
   // nothing of the motion of whole image regions, hence not 3), and in per cent of the step. A step
   // fails only if it is beyond both; the gate, if a tenth of the steps fails.

@@ -101,12 +101,13 @@ TEST_F(GatesTest, HealthyPartPassesThemAllOnceEach) {
     EXPECT_EQ(gate.value.has_value(), gate.name != "rig_refinement_sigmas") << gate.name;
     names.push_back(gate.name);
   }
-  EXPECT_THAT(names, testing::UnorderedElementsAre(
-                         "baseline_spread", "baseline_rejected", "registered", "predicted",
-                         "position_sigma_pct", "rig_refinement_sigmas", "motion_agreement_sigmas",
-                         "motion_agreement_pct", "reprojection_px", "outlier_share", "epipolar_px",
-                         "rig_consistency_deg", "rig_consistency_sigmas",
-                         "intrinsics_consistency_pct", "intrinsics_consistency_sigmas"));
+  EXPECT_THAT(names,
+              testing::UnorderedElementsAre(
+                  "baseline_spread", "baseline_rejected", "registered", "predicted",
+                  "position_sigma_pct", "scale_sigma_pct", "rig_refinement_sigmas",
+                  "motion_agreement_sigmas", "motion_agreement_pct", "reprojection_px",
+                  "outlier_share", "epipolar_px", "rig_consistency_deg", "rig_consistency_sigmas",
+                  "intrinsics_consistency_pct", "intrinsics_consistency_sigmas"));
   EXPECT_EQ(FailureReason(All()), "");
 }
 
@@ -314,6 +315,26 @@ TEST_F(GatesTest, PositionsHaveToBeKnownToAShareOfThePath) {
   // A rig that stands has no path.
   for (TimedPose& pose : trajectory_) pose.world_from_left.translation.setZero();
   EXPECT_FALSE(Judge("position_sigma_pct").value);
+}
+
+TEST_F(GatesTest, TheFarthestFramesDistanceHasToBeKnown) {
+  // 5.5 m along z; what is sideways does not matter.
+  trajectory_.back().sigmas.head<3>() << 0.5, 0.5, 0.0045;
+  EXPECT_NEAR(*Judge("scale_sigma_pct").value, 0.45 / 5.5, 1e-3);
+  EXPECT_FALSE(Judge("scale_sigma_pct").passed);
+  trajectory_.back().sigmas.z() = 0.0043;
+  EXPECT_TRUE(Judge("scale_sigma_pct").passed);
+  // Of a short way it is millimetres that count.
+  for (TimedPose& pose : trajectory_) pose.world_from_left.translation /= 11.0;
+  trajectory_.back().sigmas.z() = 0.0007;
+  EXPECT_NEAR(*Judge("scale_sigma_pct").value, 0.07, 1e-9);
+  for (TimedPose& pose : trajectory_) pose.world_from_left.translation *= 11.0;
+  // A guess is not what the distance is taken to.
+  trajectory_.back().sigmas.z() = 1.0;
+  trajectory_.back().source = PoseSource::kPredicted;
+  EXPECT_TRUE(Judge("scale_sigma_pct").passed);
+  for (TimedPose& pose : trajectory_) pose.world_from_left.translation.setZero();
+  EXPECT_FALSE(Judge("scale_sigma_pct").value);
 }
 
 TEST_F(GatesTest, WhatWasNotDoneDoesNotApplyAndPasses) {
