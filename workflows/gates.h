@@ -28,8 +28,8 @@ struct GateOptions {
   // 0.05.
   double position_sigma_pct = 0.1;
   // Sigma of the distance from the first to the farthest measured frame, per cent of it (or of a
-  // metre, if it is shorter): 0.2 % is 2.5 of these.
-  double scale_sigma_pct = 0.08;
+  // metre, if it is shorter): 0.2 % is twice this.
+  double scale_sigma_pct = 0.1;
   // Mapped against odometric steps: their difference in sigmas of the odometry (whose sigmas know
   // nothing of the motion of whole image regions, hence not 3), and in per cent of the step. A step
   // fails only if it is beyond both; the gate, if a tenth of the steps fails.

@@ -14,7 +14,7 @@ struct AdjustmentOptions {
   // calibration by more than refine_sigmas. The baseline's length always stays: it is where metres
   // come from.
   std::string refine_rig = "auto";
-  double refine_sigmas = 5.0;
+  double refine_sigmas = 4.0;
   // How far a calibration may be off: sigmas of the prior that draws the rig back to it.
   double rig_prior_deg = 0.1;
   double focal_prior_pct = 0.5;
@@ -27,7 +27,7 @@ struct AdjustmentOptions {
   double min_noise_px = 0.05;
   // Sigmas of poses and rig grow by this, beside what residuals of whole tracks say: noise that all
   // observations of a frame share leaves no trace in residuals. Measured over simulated drives.
-  double shared_noise = 1.6;
+  double shared_noise = 2.0;
   // Points further than this, in baselines, hardly move the result and are left out: at 1000
   // their disparity is below a pixel.
   double max_depth_baselines = 1000.0;

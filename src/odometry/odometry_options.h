@@ -12,7 +12,7 @@ struct OdometryOptions {
   double disparity_noise_px = 0.15;
   // Sigmas of a motion grow by this: noise that all matches of a frame share leaves no trace in
   // their residuals. As in the adjustment.
-  double shared_noise = 1.6;
+  double shared_noise = 2.0;
   // A match is an inlier within so many sigmas.
   double max_sigmas = 4.0;
   // Fewer agreeing matches than this do not make a motion: wrong ones reach 10 by chance.

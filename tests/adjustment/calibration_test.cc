@@ -109,13 +109,14 @@ TEST_F(CalibrationTest, APriorAsSureAsTheImagesMeetsThemHalfway) {
 
 TEST_F(CalibrationTest, LeftToItselfTheAdjustmentCorrectsOnlyWhatIsWrong) {
   const MaybePoses poses = AllOf(rover_.world_from_left);
-  const Adjustment right = Adjust(poses);
+  const AdjustmentOptions options{.shared_noise = 1.0};  // no observation knows of another's noise
+  const Adjustment right = Adjust(poses, options);
   EXPECT_FALSE(right.IsRigCorrected());
   EXPECT_EQ(right.rig.left.camera.fx, true_rig_.left.camera.fx);
 
   ScaleFocals(1.005);
   TurnRight(kTurn_rad * Eigen::Vector3d(0.5, -0.5, 0.7));
-  const Adjustment wrong = Adjust(poses);
+  const Adjustment wrong = Adjust(poses, options);
   EXPECT_TRUE(wrong.IsRigCorrected());
   // A little of a turn may as well be a principal point's.
   EXPECT_LT(TurnLeft_rad(wrong.rig).norm(), 0.25 * kTurn_rad);
