@@ -25,6 +25,9 @@ void JudgePrediction(const GateInputs& inputs, const GateOptions& options, Gates
                          "share of frames whose pose was guessed, nothing in them being measured"));
 }
 
+// Of a way shorter than this it is millimetres that count, not shares of it.
+constexpr double kShortWay_m = 1.0;
+
 // How well the distance to the farthest measured frame is known, as a share of it or of a metre if
 // it is shorter; nothing for a rig that stands.
 std::optional<double> DistanceSigmaPct(const GateInputs& inputs) {
@@ -38,7 +41,7 @@ std::optional<double> DistanceSigmaPct(const GateInputs& inputs) {
     if (way.norm() < farthest_m) continue;
     farthest_m = way.norm();
     const double sigma_m = way.normalized().cwiseProduct(pose.sigmas.head<3>()).norm();
-    pct = 100.0 * sigma_m / std::max(1.0, farthest_m);
+    pct = 100.0 * sigma_m / std::max(kShortWay_m, farthest_m);
   }
   return pct;
 }
@@ -58,7 +61,8 @@ void JudgeSigmas(const GateInputs& inputs, const GateOptions& options, Gates& ga
   }
   // A rig that stands has no way to compare with.
   if (measured > 0 && path_m >= inputs.rig.Baseline()) {
-    pct = 100.0 * std::sqrt(square_m2 / static_cast<double>(measured)) / path_m;
+    pct = 100.0 * std::sqrt(square_m2 / static_cast<double>(measured)) /
+          std::max(kShortWay_m, path_m);
   }
   gates.push_back(AtMost("position_sigma_pct", pct, options.position_sigma_pct,
                          "root mean square sigma of the measured positions, per cent of the path"));

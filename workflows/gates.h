@@ -23,9 +23,8 @@ struct GateOptions {
   // Share of frames that nothing measured. A black image or two may be bridged; where more than a
   // fifth of the trajectory is guessed it is not a measurement any more.
   double predicted = 0.2;
-  // Root mean square of the position sigmas of all other frames, per cent of the path: what the
-  // result says of itself. Tracked parts have 0.01 to
-  // 0.05.
+  // Root mean square of the position sigmas of all other frames, per cent of the path (or of a
+  // metre, if it is shorter): what the result says of itself. Tracked parts have 0.01 to 0.05.
   double position_sigma_pct = 0.1;
   // Sigma of the distance from the first to the farthest measured frame, per cent of it (or of a
   // metre, if it is shorter): 0.2 % is twice this.

@@ -309,6 +309,10 @@ TEST_F(GatesTest, PositionsHaveToBeKnownToAShareOfThePath) {
   for (int i = 6; i < 12; ++i) trajectory_[i].sigmas.head<3>() << 0.04, 0.0, 0.0;
   EXPECT_NEAR(*Judge("position_sigma_pct").value, 100.0 * 0.04 / std::sqrt(2.0) / 5.5, 1e-3);
   EXPECT_FALSE(Judge("position_sigma_pct").passed);
+  // Half a metre: as of a whole one.
+  for (TimedPose& pose : trajectory_) pose.world_from_left.translation /= 11.0;
+  EXPECT_NEAR(*Judge("position_sigma_pct").value, 100.0 * 0.04 / std::sqrt(2.0), 1e-3);
+  for (TimedPose& pose : trajectory_) pose.world_from_left.translation *= 11.0;
   // Frames that say themselves that they were guessed are another gate's.
   for (int i = 6; i < 12; ++i) trajectory_[i].source = PoseSource::kPredicted;
   EXPECT_TRUE(Judge("position_sigma_pct").passed);
