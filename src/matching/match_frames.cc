@@ -57,7 +57,7 @@ class FrameMatcher {
                                returned ? motion.current_from_reference : predicted, returned);
     spdlog::info("{} {}: {} verified, {} aligned", pair.a, pair.b, verified.matches.size(),
                  refined.matches.size());
-    // Their motion is proven; of those that prove it half have to agree in looks, too.
+    // The motion is proven already: half of what that takes is enough to agree in looks, too.
     if (static_cast<int>(refined.matches.size()) < options_.min_inliers / 2) return;
     result_.pairs.push_back(std::move(refined));
     if (!returned) return;

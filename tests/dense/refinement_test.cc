@@ -7,6 +7,7 @@
 #include <functional>
 #include <numbers>
 #include <opencv2/imgproc.hpp>
+#include <ostream>
 #include <vector>
 
 #include "tests/support/seeded_random.h"
@@ -45,6 +46,13 @@ class Texture {
 };
 
 using DisparityAt = std::function<double(int column, int row)>;
+
+struct Surface {
+  const char* name;
+  DisparityAt disparity;
+};
+
+void PrintTo(const Surface& surface, std::ostream* stream) { *stream << surface.name; }
 
 double Affine(int column, int row) { return 20.0 + 0.03 * column - 0.02 * row; }
 double Curved(int column, int row) {
@@ -113,31 +121,32 @@ double Rms(const std::vector<double>& values) {
   return std::sqrt(sum / static_cast<double>(values.size()));
 }
 
-class RefineDisparityOf : public testing::TestWithParam<DisparityAt> {
+class RefineDisparityOf : public testing::TestWithParam<Surface> {
  protected:
   SeededRandom random_;
   DenseOptions options_;
 };
 
 INSTANTIATE_TEST_SUITE_P(Surfaces, RefineDisparityOf,
-                         testing::Values(DisparityAt(Affine), DisparityAt(Curved)));
+                         testing::Values(Surface{"Affine", Affine}, Surface{"Curved", Curved}),
+                         [](const auto& surface) { return surface.param.name; });
 
 TEST_P(RefineDisparityOf, TakesRoundingAndBiasAway) {
-  const ViewPair pair = Render(Texture(random_, 20.0), GetParam(), random_);
-  const cv::Mat rough = RoundedAndBiased(GetParam());
+  const ViewPair pair = Render(Texture(random_, 20.0), GetParam().disparity, random_);
+  const cv::Mat rough = RoundedAndBiased(GetParam().disparity);
   const RefinedDisparity refined = RefineDisparity(pair.left, pair.right, rough, options_);
-  const auto errors = Errors(refined.disparity, GetParam());
+  const auto errors = Errors(refined.disparity, GetParam().disparity);
   ASSERT_EQ(errors.size(), static_cast<std::size_t>(cv::countNonZero(rough)));
   EXPECT_NEAR(errors[errors.size() / 2], 0.0, 0.02) << "px";
-  EXPECT_LT(Rms(errors), 0.5 * Rms(Errors(rough, GetParam())));
+  EXPECT_LT(Rms(errors), 0.5 * Rms(Errors(rough, GetParam().disparity)));
 }
 
 TEST_P(RefineDisparityOf, ReducesNoise) {
-  const ViewPair pair = Render(Texture(random_, 20.0), GetParam(), random_);
+  const ViewPair pair = Render(Texture(random_, 20.0), GetParam().disparity, random_);
   const cv::Mat noisy = KnownWhereSeen(
-      [&](int column, int row) { return GetParam()(column, row) + random_.Normal(0.2); });
+      [&](int column, int row) { return GetParam().disparity(column, row) + random_.Normal(0.2); });
   const RefinedDisparity refined = RefineDisparity(pair.left, pair.right, noisy, options_);
-  const auto errors = Errors(refined.disparity, GetParam());
+  const auto errors = Errors(refined.disparity, GetParam().disparity);
   EXPECT_LT(Rms(errors), 0.06) << "px, of 0.2";
 }
 
@@ -146,18 +155,18 @@ TEST_P(RefineDisparityOf, KnowsItsSigma) {
   options_.refined_sigma_factor = 1.0;
   options_.least_sigma_px = 1e-3;
   for (const double contrast_grey : {5.0, 10.0, 20.0}) {
-    const ViewPair pair = Render(Texture(random_, contrast_grey), GetParam(), random_);
+    const ViewPair pair = Render(Texture(random_, contrast_grey), GetParam().disparity, random_);
     const RefinedDisparity refined =
-        RefineDisparity(pair.left, pair.right, RoundedAndBiased(GetParam()), options_);
-    const double normalised = Rms(Errors(refined.disparity, GetParam(), refined.sigma));
+        RefineDisparity(pair.left, pair.right, RoundedAndBiased(GetParam().disparity), options_);
+    const double normalised = Rms(Errors(refined.disparity, GetParam().disparity, refined.sigma));
     EXPECT_GT(normalised, 0.5) << contrast_grey;
     EXPECT_LT(normalised, 1.5) << contrast_grey;
   }
 }
 
 TEST_P(RefineDisparityOf, WidensItsSigmaAsTheOptionsSay) {
-  const ViewPair pair = Render(Texture(random_, 10.0), GetParam(), random_);
-  const cv::Mat rough = RoundedAndBiased(GetParam());
+  const ViewPair pair = Render(Texture(random_, 10.0), GetParam().disparity, random_);
+  const cv::Mat rough = RoundedAndBiased(GetParam().disparity);
   const auto sigma_with = [&](double factor, double least_px) {
     options_.refined_sigma_factor = factor;
     options_.least_sigma_px = least_px;
@@ -173,8 +182,8 @@ TEST_P(RefineDisparityOf, WidensItsSigmaAsTheOptionsSay) {
 }
 
 TEST_P(RefineDisparityOf, DoesNotMindBrightness) {
-  const ViewPair pair = Render(Texture(random_, 12.0), GetParam(), random_);
-  const cv::Mat rough = RoundedAndBiased(GetParam());
+  const ViewPair pair = Render(Texture(random_, 12.0), GetParam().disparity, random_);
+  const cv::Mat rough = RoundedAndBiased(GetParam().disparity);
   const cv::Mat brighter = pair.right + 30;
   ASSERT_LT(*std::max_element(brighter.begin<uchar>(), brighter.end<uchar>()), 255);
   const RefinedDisparity one = RefineDisparity(pair.left, pair.right, rough, options_);
@@ -184,8 +193,8 @@ TEST_P(RefineDisparityOf, DoesNotMindBrightness) {
 }
 
 TEST_P(RefineDisparityOf, LeavesTheUnknownUnknown) {
-  const ViewPair pair = Render(Texture(random_, 20.0), GetParam(), random_);
-  cv::Mat rough = RoundedAndBiased(GetParam());
+  const ViewPair pair = Render(Texture(random_, 20.0), GetParam().disparity, random_);
+  cv::Mat rough = RoundedAndBiased(GetParam().disparity);
   rough(cv::Rect(150, 60, 40, 30)) = 0.0F;
   for (int i = 0; i < 2000; ++i) {
     rough.at<float>(static_cast<int>(random_.Uniform(0.0, kRows)),
@@ -195,7 +204,7 @@ TEST_P(RefineDisparityOf, LeavesTheUnknownUnknown) {
   const cv::Mat was_known = rough > 0.0F, is_known = refined.disparity > 0.0F;
   EXPECT_EQ(cv::countNonZero(was_known != is_known), 0);
   EXPECT_EQ(cv::countNonZero(refined.disparity < 0.0F), 0);
-  const auto errors = Errors(refined.disparity, GetParam());
+  const auto errors = Errors(refined.disparity, GetParam().disparity);
   EXPECT_NEAR(errors[errors.size() / 2], 0.0, 0.02) << "px";
 }
 
