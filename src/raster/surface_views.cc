@@ -49,7 +49,8 @@ struct View {
 std::array<View, 3> Views(const Trajectory& trajectory) {
   const Eigen::Vector3d direction = DrivingDirection(trajectory);
   return {
-      View{"view_top.png", "From above: x (first heading) to the right, y up", TopView()},
+      View{"view_top.png", "From above: x (first heading) to the right, y up; blank: not seen",
+           TopView()},
       View{"view_side.png",
            "From the right, straight across the drive, heights to scale; thin: down to the ground",
            SideView(direction)},
