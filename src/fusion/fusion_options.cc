@@ -1,5 +1,8 @@
 #include "fusion/fusion_options.h"
 
+#include <cmath>
+#include <numbers>
+
 namespace rigmap {
 
 void FusionOptions::Validate() const {
@@ -9,12 +12,18 @@ void FusionOptions::Validate() const {
   RequireOption(max_neighbour_angle_deg > 0.0 && max_neighbour_angle_deg <= 180.0,
                 "fusion.max_neighbour_angle_deg", "above 0, at most 180", max_neighbour_angle_deg);
   RequireOption(agreement_sigmas > 0.0, "fusion.agreement_sigmas", "above 0", agreement_sigmas);
+  RequireOption(max_incidence_deg > 0.0 && max_incidence_deg <= 90.0, "fusion.max_incidence_deg",
+                "above 0, at most 90", max_incidence_deg);
   RequireOption(min_views >= 1 && min_views <= neighbours + 1, "fusion.min_views",
                 "1 to fusion.neighbours + 1", min_views);
   RequireOption(better_view_share >= 0.0 && better_view_share <= 1.0, "fusion.better_view_share",
                 "0 to 1", better_view_share);
   RequireOption(min_observations >= 1, "fusion.min_observations", "at least 1", min_observations);
   RequireOption(max_sigma_m > 0.0, "fusion.max_sigma_m", "above 0", max_sigma_m);
+}
+
+double FusionOptions::LeastCosine() const {
+  return std::cos(max_incidence_deg * std::numbers::pi / 180.0);
 }
 
 }  // namespace rigmap

@@ -19,6 +19,10 @@ struct FusionOptions {
   double max_neighbour_angle_deg = 60.0;
   // Depths agree if their difference is below this many of its standard deviations.
   double agreement_sigmas = 3.0;
+  // Largest angle (degrees) between a surface's normal and the ray that sees it. What is seen more
+  // edge on is mostly no surface: where depth jumps, matched disparities lead from one side to the
+  // other over some eight pixels. 83: level ground eight times as far away as the camera is high.
+  double max_incidence_deg = 83.0;
   // Frames (itself included) that must agree on a point. One alone may be a false match.
   int min_views = 2;
   // A frame leaves a point to one that looks at it from nearer, where a disparity makes less than
@@ -37,12 +41,15 @@ struct FusionOptions {
             {"ahead", &ahead},
             {"max_neighbour_angle_deg", &max_neighbour_angle_deg},
             {"agreement_sigmas", &agreement_sigmas},
+            {"max_incidence_deg", &max_incidence_deg},
             {"min_views", &min_views},
             {"better_view_share", &better_view_share},
             {"min_observations", &min_observations},
             {"max_sigma_m", &max_sigma_m}};
   }
   void Validate() const;  // throws UsageError
+
+  double LeastCosine() const;  // of max_incidence_deg
 };
 
 }  // namespace rigmap

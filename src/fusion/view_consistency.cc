@@ -131,12 +131,12 @@ std::optional<SurfaceSample> SampleAt(const DepthView& reference, const Views& v
   if (!measured) return std::nullopt;
   const auto consensus = Confirm(*measured, views, options);
   if (!consensus) return std::nullopt;
+  const Eigen::Vector3d normal = NormalInRectified(map, pixel.y, pixel.x);
+  if (-normal.dot(measured->x.normalized()) < options.LeastCosine()) return std::nullopt;
   SurfaceSample sample;
   sample.x_in_world =
       reference.world_from_rectified * (consensus->weighted_sum / consensus->weight);
-  sample.normal =
-      (reference.world_from_rectified.rotation * NormalInRectified(map, pixel.y, pixel.x))
-          .cast<float>();
+  sample.normal = (reference.world_from_rectified.rotation * normal).cast<float>();
   const cv::Vec3b bgr = map.colour.at<cv::Vec3b>(pixel);
   sample.rgb = {bgr[2], bgr[1], bgr[0]};
   sample.sigma_m = static_cast<float>(1.0 / std::sqrt(consensus->weight));

@@ -25,7 +25,8 @@ struct ComparedViews {
 // - points on which fewer than min_views frames agree, or that more near views see through (they
 //   see something clearly behind it) than half of those that agree;
 // - points that any view looks at from clearly nearer (better_view_share): if it agrees, it gives
-//   them itself; if it sees through them, it knows better.
+//   them itself; if it sees through them, it knows better;
+// - points seen too edge on (max_incidence_deg), or with too few others around to tell.
 // Ordered by row and column. Uses all threads; the result does not depend on their number.
 std::vector<SurfaceSample> ConfirmedSamples(const DepthView& reference,
                                             const ComparedViews& compared,

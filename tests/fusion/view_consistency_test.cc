@@ -54,8 +54,9 @@ TEST_F(ViewConsistency, NeedsEnoughViews) {
   EXPECT_TRUE(ConfirmedSamples(reference, {}, options_).empty());
   EXPECT_GT(ConfirmedSamples(reference, {{&near}, {}}, options_).size(), 30000U);
   options_.min_views = 1;
-  EXPECT_EQ(ConfirmedSamples(reference, {}, options_).size(),
-            static_cast<std::size_t>(cv::countNonZero(reference.map.disparity)));
+  // All but some in corners, whose surface cannot be told.
+  EXPECT_GT(ConfirmedSamples(reference, {}, options_).size(),
+            0.9995 * cv::countNonZero(reference.map.disparity));
 }
 
 TEST_F(ViewConsistency, IsDeniedByOneFrameAheadHoweverManyNearOnesAgree) {
@@ -89,6 +90,30 @@ TEST_F(ViewConsistency, LeavesPointsToANearerFrameAhead) {
     seen_nearer += Knows(ahead, x) && x.z() * x.z() < options_.better_view_share * own_m * own_m;
   }
   EXPECT_LT(seen_nearer, kept.size() / 50);  // at the ahead frame's margins, by rounding to pixels
+}
+
+TEST_F(ViewConsistency, LeavesOutTheSlopeBetweenTwoDepths) {
+  // As matchers leave it at the edge of something that stands before the ground.
+  const cv::Rect slope(200, 50, 16, 28), inner(204, 54, 8, 20);
+  DepthView view = ViewFrom(0.0, look_, random_);
+  for (int row = slope.y; row < slope.br().y; ++row) {
+    auto* disparity = view.map.disparity.ptr<float>(row);
+    for (int i = 0; i < slope.width; ++i) {
+      disparity[slope.x + i] = disparity[slope.x - 1] + 0.5F * static_cast<float>(i + 1);
+    }
+  }
+  const auto count_inside = [&](double max_incidence_deg) {
+    options_.max_incidence_deg = max_incidence_deg;
+    int count = 0;
+    for (const SurfaceSample& sample : ConfirmedSamples(view, {{&view}, {}}, options_)) {
+      const auto pixel =
+          Project(view.map.camera, view.world_from_rectified.Inverse() * sample.x_in_world);
+      count += inner.contains({cvRound(pixel->x()), cvRound(pixel->y())});
+    }
+    return count;
+  };
+  EXPECT_GT(count_inside(90.0), inner.area() / 2);
+  EXPECT_EQ(count_inside(FusionOptions().max_incidence_deg), 0);
 }
 
 TEST_F(ViewConsistency, AgreesWithItself) {
