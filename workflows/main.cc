@@ -13,6 +13,7 @@
 
 #include "core/config_file.h"
 #include "core/error.h"
+#include "core/freed_memory.h"
 #include "core/progress.h"
 #include "workflows/evaluate_part.h"
 #include "workflows/reconstruct_part.h"
@@ -174,6 +175,7 @@ void SayLast(std::string sentence) {
 }  // namespace rigmap
 
 int main(int argc, char** argv) {
+  rigmap::KeepFreedMemory();
   try {
     return rigmap::Main(argc, argv);
   } catch (const rigmap::UsageError& error) {

@@ -9,6 +9,8 @@
 #include <algorithm>
 #include <chrono>
 
+#include "core/freed_memory.h"
+
 namespace rigmap {
 namespace {
 
@@ -56,6 +58,7 @@ bool StageRunner::MayReuse(const std::string& name) const {
 
 void StageRunner::Begin(const std::string& name, const std::string& options) {
   LogTo(plan_.layout.Log(name), plan_.quiet);
+  ReturnFreedMemory();
   memory_.emplace();
   started_s_ = Now();
   key_ = HashText(key_ + "\n" + name + "\n" + options);
