@@ -49,20 +49,23 @@ Opinion Ask(const Neighbour& neighbour, const Measurement& point, const FusionOp
   const DepthMap& map = *neighbour.map;
   const Eigen::Vector3d x = neighbour.neighbour_from_reference * point.x;
   if (x.z() <= 0.0) return {};
-  const int column = static_cast<int>(std::lround(map.camera.fx * x.x() / x.z() + map.camera.cx));
-  const int row = static_cast<int>(std::lround(map.camera.fy * x.y() / x.z() + map.camera.cy));
+  const int column = cvRound(map.camera.fx * x.x() / x.z() + map.camera.cx);
+  const int row = cvRound(map.camera.fy * x.y() / x.z() + map.camera.cy);
   if (column < 0 || row < 0 || column >= map.disparity.cols || row >= map.disparity.rows) return {};
   const double found_px = map.disparity.at<float>(row, column);
   if (found_px <= 0.0) return {};
   // Both depths are uncertain: compared where the sigma is known, in the neighbour's disparity.
   const double expected_px = map.camera.fx * map.baseline_m / x.z();
   const double found_sigma_px = map.disparity_sigma.at<float>(row, column);
-  const double sigma_px = std::hypot(found_sigma_px, expected_px / x.z() * point.sigma_m);
+  const double expected_sigma_px = expected_px / x.z() * point.sigma_m;
+  const double variance_px2 =
+      found_sigma_px * found_sigma_px + expected_sigma_px * expected_sigma_px;
   const double difference_px = found_px - expected_px;
   Opinion opinion;
   // Equal disparities have depth sigmas as the squares of the depths.
   opinion.is_better = x.z() * x.z() < options.better_view_share * point.x.z() * point.x.z();
-  if (std::abs(difference_px) > options.agreement_sigmas * sigma_px) {
+  const double sigmas2 = options.agreement_sigmas * options.agreement_sigmas;
+  if (difference_px * difference_px > sigmas2 * variance_px2) {
     opinion.verdict = difference_px < 0.0 ? Verdict::kSeesThrough : Verdict::kSeesSomethingNearer;
     return opinion;
   }
