@@ -184,6 +184,23 @@ TEST_F(FuseDepthMapsOfGround, LeavesOutAFrameWhosePoseIsWrong) {
   }
 }
 
+TEST_F(FuseDepthMapsOfGround, LosesNoGroundToAFrameWithAWrongPose) {
+  Drive(8, {.noise_px = 0.05, .sigma_px = 0.05});
+  depths_[3].world_from_left.translation.z() += 0.1;
+  const auto beside_it = CoveredSquares(Fuse());
+  depths_.erase(depths_.begin() + 3);
+  EXPECT_EQ(beside_it, CoveredSquares(Fuse()));
+}
+
+TEST_F(FuseDepthMapsOfGround, LosesNoGroundToAFalseMatchBehindIt) {
+  Drive(8, {.noise_px = 0.05, .sigma_px = 0.05});
+  const auto before = CoveredSquares(Fuse());
+  cv::Mat wrong = maps_[3].disparity(cv::Rect(100, 100, 60, 60));
+  wrong *= 0.8F;  // seems to look through the ground
+  Store();
+  EXPECT_EQ(CoveredSquares(Fuse()), before);
+}
+
 TEST_F(FuseDepthMapsOfGround, LeavesOutNoneOfSoundFrames) {
   Drive(8, {.noise_px = 0.05, .sigma_px = 0.05});
   Fuse();
