@@ -24,8 +24,13 @@ nlohmann::ordered_json Metrics(const EvaluateRequest& request) {
   }
   const auto path = request.out / "evaluation.json";
   if (!std::filesystem::exists(path)) {
+    if (!std::filesystem::exists(request.out / "summary.json")) {
+      throw DataError(fmt::format("{}: expected the results of a run, found no summary.json",
+                                  request.out.string()));
+    }
     throw DataError(
-        fmt::format("{}: expected an evaluation from a run with truth, found none; give --truth",
+        fmt::format("{}: expected an evaluation, found none, since the run had no truth "
+                    "or ended before that stage; give --truth",
                     path.string()));
   }
   try {
@@ -38,7 +43,15 @@ nlohmann::ordered_json Metrics(const EvaluateRequest& request) {
 }  // namespace
 
 std::filesystem::path TruthFile(const std::filesystem::path& truth) {
-  return std::filesystem::is_directory(truth) ? truth / "trajectory.tum" : truth;
+  if (!std::filesystem::is_directory(truth)) return truth;
+  if (std::filesystem::exists(truth / "trajectory.tum")) return truth / "trajectory.tum";
+  for (const auto& entry : std::filesystem::directory_iterator(truth)) {
+    if (std::filesystem::exists(entry.path() / "trajectory.tum")) {
+      throw DataError(fmt::format("{}: expected trajectory.tum in it, found {} that holds one",
+                                  truth.string(), entry.path().filename().string()));
+    }
+  }
+  throw DataError(fmt::format("{}: expected trajectory.tum in it, found none", truth.string()));
 }
 
 std::string EvaluatePart(const EvaluateRequest& request) {

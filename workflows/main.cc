@@ -130,6 +130,9 @@ int RunPart(const PartArguments& arguments, std::string command) {
   const PartResult result = ReconstructPart(MakeRequest(arguments, std::move(command)));
   if (result.status == PartStatus::kUntrusted) {
     fmt::print(stderr, "rigmap: the result is not to be trusted: {}\n", result.reason);
+  } else if (!arguments.quiet) {
+    fmt::print(stderr, "rigmap: {}, no gate failed; results in {}\n",
+               arguments.until.empty() ? "done" : "done up to " + arguments.until, arguments.out);
   }
   return static_cast<int>(result.status);
 }

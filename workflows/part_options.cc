@@ -48,7 +48,7 @@ void Assign(const std::string& assignment, const Sections& sections) {
   const std::string stage = assignment.substr(0, point);
   const OptionFields* fields = FindSection(sections, stage);
   if (!fields) {
-    throw UsageError(fmt::format("--set {}: unknown stage '{}', expected one of {}", assignment,
+    throw UsageError(fmt::format("--set {}: unknown section '{}', expected one of {}", assignment,
                                  stage, Names(sections)));
   }
   SetOption(stage, assignment.substr(point + 1, equals - point - 1), assignment.substr(equals + 1),

@@ -1,5 +1,7 @@
 #include "workflows/part_summary.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <nlohmann/json.hpp>
 #include <numbers>
@@ -129,6 +131,13 @@ void PartSummary::SetRig(const StereoRig& calibrated, const StereoRig& used) {
 
 void PartSummary::SetTrajectory(const Trajectory& trajectory, const std::string& world_up) {
   posed_ = static_cast<int>(trajectory.size());
+  const auto predicted = std::ranges::count(trajectory, PoseSource::kPredicted, &TimedPose::source);
+  if (predicted > 0) {
+    AddRemarks(
+        {fmt::format("{} of {} poses are predicted, since nothing measured their frames: "
+                     "their sigmas say how far to trust them",
+                     predicted, trajectory.size())});
+  }
   world_up_ = world_up;
 }
 

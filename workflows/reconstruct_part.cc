@@ -1,6 +1,5 @@
 #include "workflows/reconstruct_part.h"
 
-#include <malloc.h>
 #include <spdlog/spdlog.h>
 #include <tbb/global_control.h>
 
@@ -45,7 +44,6 @@ void Reconstruct(const Dataset& dataset, const PartStages& stage) {
   stage.TakeUp(dataset);
   const FeatureIndex features = stage.Extract(dataset);
   const AdjustedPart part = Localise(dataset, features, stage);
-  malloc_trim(0);  // what Localise let go, in small pieces, back to the system
 
   // depth of the keyframes, fused on the poses -> coloured map
   const DepthIndex depths = stage.MatchDense(dataset, features, part);

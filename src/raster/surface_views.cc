@@ -23,9 +23,9 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double kStrayShare = 0.0002;  // of the points, left out of the view at each edge
-constexpr double kMaxGap_m = 0.08;      // closed in pictures
-constexpr double kMaxGapPx = 40.0;      // and where that is more, these
-constexpr int kGapLengthPerWidth = 4;
+constexpr double kMaxGap_m = 0.05;      // closed in pictures
+constexpr double kMaxGapPx = 25.0;      // and where that is more, these
+constexpr int kGapLengthPerWidth = 2;
 constexpr double kMinView_m = 0.2;          // extent of the smallest view
 constexpr std::uint64_t kSamples = 200000;  // points that decide on the extent
 
@@ -48,15 +48,15 @@ struct View {
 
 std::array<View, 3> Views(const Trajectory& trajectory) {
   const Eigen::Vector3d direction = DrivingDirection(trajectory);
-  return {
-      View{"view_top.png", "From above: x (first heading) to the right, y up; blank: not seen",
-           TopView()},
-      View{"view_side.png",
-           "From the right, straight across the drive, heights to scale; thin: down to the ground",
-           SideView(direction)},
-      View{"view_oblique.png",
-           "From behind and above, the scale holds from left to right; thin: down to the ground",
-           ObliqueView(direction)}};
+  return {View{"view_top.png",
+               fmt::format("From above: x (first heading) to the right, y up; blank: not seen "
+                           "({:.0f} cm or more)",
+                           100.0 * kMaxGap_m),
+               TopView()},
+          View{"view_side.png", "From the right, straight across the drive, heights to scale",
+               SideView(direction)},
+          View{"view_oblique.png", "From behind and above, the scale holds from left to right",
+               ObliqueView(direction)}};
 }
 
 void ForEachPoint(const fs::path& ply, const std::function<void(const SurfacePoint&)>& take) {
@@ -191,7 +191,9 @@ cv::Mat3b Picture(const View& view, const SurfaceGrid& surface, const Trajectory
     path_px.push_back(pixel(pose.world_from_left.translation));
   }
   DrawPath(canvas.picture, path_px);
-  DrawFooter(canvas, view.px_per_m, view.caption);
+  const bool shows_plumb_lines = !plumb_lines.empty() && view.axes.up.z() > 0.0;
+  DrawFooter(canvas, view.px_per_m,
+             view.caption + (shows_plumb_lines ? "; thin: down to the ground" : ""));
   return canvas.picture;
 }
 

@@ -141,6 +141,16 @@ TEST_F(CommandLine, OutputThatCannotBeWrittenEndsWithOne) {
               HasSubstr("a file"));
 }
 
+TEST_F(CommandLine, SaysHowARunEndedUnlessQuiet) {
+  std::vector<std::string> part{"part",    "--dataset", SimulatedPartFolder(), "--out", out_,
+                                "--until", "dataset"};
+  EXPECT_THAT(RunRigmap(part).err,
+              testing::EndsWith("rigmap: done up to dataset, no gate failed; results in " +
+                                out_.string() + "\n"));
+  part.push_back("--quiet");
+  EXPECT_THAT(RunRigmap(part).err, testing::IsEmpty());
+}
+
 TEST_F(CommandLine, FolderOnceUsedIsNotTakenForOtherData) {
   ASSERT_EQ(
       RunRigmap({"part", "--dataset", SimulatedPartFolder(), "--out", out_, "--until", "dataset"})

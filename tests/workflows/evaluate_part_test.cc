@@ -82,9 +82,15 @@ TEST_F(EvaluatePartTest, ShowsWhatTheRunFoundWhereNoTruthIsGiven) {
 }
 
 TEST_F(EvaluatePartTest, SaysWhatIsMissing) {
-  EXPECT_THAT(ErrorOf({out_, {}, true}), HasSubstr("evaluation.json"));
+  fs::create_directories(folder_.Path() / "empty");
+  EXPECT_THAT(ErrorOf({out_, {}, true}), HasSubstr("found no summary.json"));
+  WriteTestFile(out_ / "summary.json", "{}");
+  EXPECT_THAT(ErrorOf({out_, {}, true}), HasSubstr("ended before that stage"));
   EXPECT_THAT(ErrorOf({folder_.Path() / "nothing", truth_, true}), HasSubstr("nothing"));
-  EXPECT_THAT(ErrorOf({out_, folder_.Path(), true}), HasSubstr("trajectory.tum"));
+  EXPECT_THAT(ErrorOf({out_, folder_.Path() / "empty", true}), HasSubstr("found none"));
+  fs::create_directories(folder_.Path() / "all" / "Part3");
+  fs::copy(truth_, folder_.Path() / "all" / "Part3");
+  EXPECT_THAT(ErrorOf({out_, folder_.Path() / "all", true}), HasSubstr("found Part3"));
   EXPECT_THAT(ErrorOf({out_, folder_.Path() / "no.tum", true}), HasSubstr("no.tum"));
   WriteTestFile(out_ / "evaluation.json", "{\"frames\": ");
   EXPECT_THAT(ErrorOf({out_, {}, true}), HasSubstr("expected JSON"));

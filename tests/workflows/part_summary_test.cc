@@ -91,6 +91,18 @@ TEST_F(PartSummaryTest, CountsFramesAndWhatWasPassedOver) {
   EXPECT_EQ(written["scale"]["pairs_rejected"], json{1});
 }
 
+TEST_F(PartSummaryTest, SaysHowManyPosesWerePredicted) {
+  Trajectory trajectory(5);
+  for (TimedPose& pose : trajectory) pose.source = PoseSource::kAdjusted;
+  PartSummary summary(request_);
+  summary.SetTrajectory(trajectory, "imu");
+  EXPECT_TRUE(Written(summary)["mapping"]["remarks"].empty());
+  trajectory[3].source = PoseSource::kPredicted;
+  summary.SetTrajectory(trajectory, "imu");
+  EXPECT_THAT(Written(summary)["mapping"]["remarks"].at(0).get<std::string>(),
+              testing::HasSubstr("1 of 5 poses"));
+}
+
 TEST_F(PartSummaryTest, FailedGateMakesThePartUntrusted) {
   PartSummary summary(request_);
   summary.AddGates({{"a", 0.5, 1.0, true, "fine"}, {"b", std::nullopt, 1.0, true, "unknown"}});
