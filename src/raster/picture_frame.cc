@@ -71,10 +71,10 @@ void DrawPath(cv::Mat3b& picture, const std::vector<Eigen::Vector2d>& path_px) {
   cv::polylines(picture, line, false, kWhite, 6, cv::LINE_AA, kShift);
   cv::polylines(picture, line, false, kPathColour, 3, cv::LINE_AA, kShift);
   constexpr double kApartPx = 60.0;  // nearer the two words would cover each other
-  if ((path_px.back() - path_px.front()).norm() > kApartPx) {
-    DrawMark(picture, path_px.back(), kPathColour, "end");
-  }
-  DrawMark(picture, path_px.front(), kStartColour, "start");
+  const bool apart = (path_px.back() - path_px.front()).norm() > kApartPx;
+  if (path_px.size() > 1) DrawMark(picture, path_px.back(), kPathColour, apart ? "end" : "");
+  DrawMark(picture, path_px.front(), kStartColour,
+           apart || path_px.size() == 1 ? "start" : "start, end");
 }
 
 double DrawFooter(Canvas& canvas, double px_per_m, const std::string& caption) {
