@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/file.h"
+#include "core/freed_memory.h"
 #include "core/progress.h"
 #include "core/statistics.h"
 #include "dataset/open_dataset.h"
@@ -81,6 +82,10 @@ std::vector<std::vector<Eigen::Vector3d>> PointsInLeft(const Adjustment& adjustm
 }
 
 // How many frames may be dense-matched at once (DenseMatcher states what each needs).
+// Of the memory for dense matching, what may stay with the process from frame to frame; the rest is
+// for one that needs more than those before.
+constexpr double kKeptShare = 2.0 / 3.0;
+
 int DenseThreads(const StereoRig& rig, const PartRequest& request) {
   const Camera& camera = rig.left.camera;
   const double disparities =
@@ -140,6 +145,7 @@ DepthIndex PartStages::MatchAllDense(const Dataset& dataset, const RigFixedCells
       if (!depth) {
         depth = matcher.Compute(frame);
         SaveDepth(path, index.keys[i], *depth);
+        ReturnFreedMemory(kKeptShare * request_.memory_mb);
       }
       biases[i] = DisparityBiasPx(*depth, points[index.frames[i]]);
       progress.Advance();

@@ -6,6 +6,8 @@
 #include <malloc.h>
 
 #include <limits>
+
+#include "core/memory_peak.h"
 #endif
 
 namespace rigmap {
@@ -18,10 +20,12 @@ void KeepFreedMemory() {
   mallopt(M_ARENA_MAX, 1);
 }
 
-void ReturnFreedMemory() { malloc_trim(0); }
+void ReturnFreedMemory(double if_above_mb) {
+  if (ResidentMegabytes() > if_above_mb) malloc_trim(0);
+}
 #else
 void KeepFreedMemory() {}
-void ReturnFreedMemory() {}
+void ReturnFreedMemory(double) {}
 #endif
 
 }  // namespace rigmap

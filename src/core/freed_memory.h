@@ -9,7 +9,8 @@ namespace rigmap {
 // than with glibc neither of the two does anything.
 void KeepFreedMemory();
 
-// Back to the system with all that is free now.
-void ReturnFreedMemory();
+// Back to the system with all that is free now, if this process has more than so many megabytes.
+// Blocks of changing sizes leave gaps that no other fits into.
+void ReturnFreedMemory(double if_above_mb = 0.0);
 
 }  // namespace rigmap

@@ -7,18 +7,15 @@
 #include <fstream>
 
 namespace rigmap {
-namespace {
 
-double ResidentMb() {
+double ResidentMegabytes() {
   std::ifstream pages("/proc/self/statm");
   double size = 0.0, resident = 0.0;
   pages >> size >> resident;
   return resident * static_cast<double>(sysconf(_SC_PAGESIZE)) / (1024.0 * 1024.0);
 }
 
-}  // namespace
-
-MemoryPeak::MemoryPeak() : peak_mb_(ResidentMb()), sampler_([this] { Sample(); }) {}
+MemoryPeak::MemoryPeak() : peak_mb_(ResidentMegabytes()), sampler_([this] { Sample(); }) {}
 
 MemoryPeak::~MemoryPeak() {
   {
@@ -30,7 +27,7 @@ MemoryPeak::~MemoryPeak() {
 }
 
 double MemoryPeak::Megabytes() {
-  const double now_mb = ResidentMb();
+  const double now_mb = ResidentMegabytes();
   double known_mb = peak_mb_;
   while (now_mb > known_mb && !peak_mb_.compare_exchange_weak(known_mb, now_mb)) {
   }

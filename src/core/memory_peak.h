@@ -8,6 +8,8 @@
 
 namespace rigmap {
 
+double ResidentMegabytes();  // of this process, now
+
 // Samples from construction on, 50 times a second, in a thread of its own. The kernel's own mark is
 // left alone, so that outside tools see the whole run's peak.
 class MemoryPeak {
