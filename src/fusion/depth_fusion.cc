@@ -45,6 +45,41 @@ std::vector<SurfaceSample> SamplesOf(std::size_t frame, const FusionOptions& opt
   return samples;
 }
 
+// Two grids, a coarse one for level ground and a fine one for what is steep.
+class SurfaceGrid {
+ public:
+  SurfaceGrid(const FusionOptions& options, const std::filesystem::path& scratch)
+      : scratch_(scratch),
+        level_(options.voxel_m, scratch / "level", kKeptVoxels / 2),
+        steep_(options.steep_voxel_share * options.voxel_m, scratch / "steep", kKeptVoxels / 2) {}
+  ~SurfaceGrid() {
+    std::error_code ignored;
+    std::filesystem::remove_all(scratch_, ignored);
+  }
+  SurfaceGrid(const SurfaceGrid&) = delete;
+  SurfaceGrid& operator=(const SurfaceGrid&) = delete;
+
+  void Add(const std::vector<SurfaceSample>& samples) {
+    constexpr float kSteep = 0.7071F;  // 45 degrees: beyond, more of it is seen from beside
+    for (const SurfaceSample& sample : samples) {
+      (sample.normal.z() < kSteep ? steep_ : level_).Add(sample);
+    }
+    level_.SetAside();
+    steep_.SetAside();
+  }
+  void Drain(const FusionOptions& options, const FusionTarget& target) {
+    level_.Drain(options.min_observations, options.max_sigma_m, target.take);
+    // Smaller cubes hold fewer pixels.
+    const int fewer =
+        static_cast<int>(std::ceil(options.steep_voxel_share * options.min_observations));
+    steep_.Drain(fewer, options.max_sigma_m, target.take);
+  }
+
+ private:
+  std::filesystem::path scratch_;
+  TiledGrid level_, steep_;
+};
+
 }  // namespace
 
 std::vector<std::size_t> FuseDepthMaps(std::span<const PosedDepth> depths,
@@ -53,21 +88,18 @@ std::vector<std::size_t> FuseDepthMaps(std::span<const PosedDepth> depths,
   const std::vector<Rigid3> world_from_left = PosesOf(depths);
   ViewCache cache(depths, kCachedViews);
   FrameAgreement agreement(world_from_left, options, cache);
-  TiledGrid grid(options.voxel_m, target.scratch);
+  SurfaceGrid grid(options, target.scratch);
   std::vector<std::size_t> left_out;
   Progress progress("fusion", depths.size());
   for (std::size_t frame = 0; frame < depths.size(); ++frame) {
     if (agreement.IsSound(frame)) {
-      for (const SurfaceSample& sample : SamplesOf(frame, options, agreement, cache)) {
-        grid.Add(sample);
-      }
-      grid.SetAside();
+      grid.Add(SamplesOf(frame, options, agreement, cache));
     } else {
       left_out.push_back(frame);
     }
     progress.Advance();
   }
-  grid.Drain(options.min_observations, options.max_sigma_m, target.take);
+  grid.Drain(options, target);
   return left_out;
 }
 

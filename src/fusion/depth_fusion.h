@@ -26,18 +26,20 @@ struct FusionTarget {
 };
 
 // Each depth map is compared with others, and what they confirm (view_consistency.h) is averaged on
-// a grid. One point per voxel, ordered by tile (tiled_grid.h) and voxel; normals point to the
-// cameras. The order of the frames changes places by rounding only, the number of threads nothing
-// at all.
+// a grid. One point per voxel, ordered by tile (tiled_grid.h) and voxel, first of level ground,
+// then of what is steeper than 45 degrees (world's z being up) and has finer voxels; normals point
+// to the cameras. The order of the frames changes places by rounding only, the number of threads
+// nothing at all.
 //
 // A frame is left out, and its index returned, if it agrees with its neighbours on less than half
 // of the pixels on which they agree with theirs: its pose or its depth is wrong. Colours are made
 // as bright as those of the frames before, where the same ground is seen.
 //
-// Holds kCachedViews depth maps (11 bytes a pixel) and two million voxels (160 MB), whatever the
+// Holds kCachedViews depth maps (11 bytes a pixel) and kKeptVoxels voxels (160 MB), whatever the
 // number of frames. Throws DataError when a depth map is missing or `scratch` cannot be written,
 // UsageError for invalid options.
 inline constexpr std::size_t kCachedViews = 40;
+inline constexpr std::size_t kKeptVoxels = 2'000'000;
 std::vector<std::size_t> FuseDepthMaps(std::span<const PosedDepth> depths,
                                        const FusionOptions& options, const FusionTarget& target);
 

@@ -7,6 +7,8 @@ namespace rigmap {
 
 void FusionOptions::Validate() const {
   RequireOption(voxel_m >= 1e-4, "fusion.voxel_m", "at least 0.0001", voxel_m);
+  RequireOption(steep_voxel_share >= 0.1 && steep_voxel_share <= 1.0, "fusion.steep_voxel_share",
+                "0.1 to 1", steep_voxel_share);
   RequireOption(neighbours >= 0, "fusion.neighbours", "at least 0", neighbours);
   RequireOption(ahead >= 0, "fusion.ahead", "at least 0", ahead);
   RequireOption(max_neighbour_angle_deg > 0.0 && max_neighbour_angle_deg <= 180.0,

@@ -9,6 +9,10 @@ struct FusionOptions {
   // Side of the cubes (m) in which points are merged: about a pixel at 8 m for 840 px, and finer
   // than the depth noise from 2 m on.
   double voxel_m = 0.01;
+  // Side of the cubes on faces steeper than 45 degrees, as a share of that. Rocks are small, and
+  // their faces are seen head on: at three metres a pixel of 840 px focal length covers 4 mm of
+  // them.
+  double steep_voxel_share = 0.5;
   // Frames, nearest in place, that each depth map is compared with. Eight span four frames to
   // either side: enough to average over, still the same rocks in view.
   int neighbours = 8;
@@ -37,6 +41,7 @@ struct FusionOptions {
 
   OptionFields Fields() {
     return {{"voxel_m", &voxel_m},
+            {"steep_voxel_share", &steep_voxel_share},
             {"neighbours", &neighbours},
             {"ahead", &ahead},
             {"max_neighbour_angle_deg", &max_neighbour_angle_deg},

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <set>
 #include <utility>
 #include <vector>
@@ -121,6 +122,22 @@ TEST_F(FuseDepthMapsOfGround, MergesWhatIsSeenTwice) {
   EXPECT_GE(twice.size(), once.size());  // twice the observations: more voxels have enough
   options_.min_observations = 1;
   EXPECT_EQ(Fuse().size(), Fuse(std::span(depths_).first(1)).size());
+}
+
+TEST_F(FuseDepthMapsOfGround, HasFinerVoxelsOnSteepFaces) {
+  Drive(4, {.noise_px = 0.05, .sigma_px = 0.05});
+  options_.min_observations = 1;
+  options_.voxel_m = 0.04;  // larger than these small images' pixels
+  const auto level = static_cast<double>(Fuse().size());
+  const Rigid3 wall_from_ground{
+      Eigen::Quaterniond(Eigen::AngleAxisd(std::numbers::pi / 2.0, Eigen::Vector3d::UnitX())),
+      Eigen::Vector3d::Zero()};
+  for (PosedDepth& depth : depths_) {
+    depth.world_from_left = wall_from_ground * depth.world_from_left;
+  }
+  EXPECT_GT(static_cast<double>(Fuse().size()), 2.0 * level);
+  options_.steep_voxel_share = 1.0;
+  EXPECT_NEAR(static_cast<double>(Fuse().size()), level, 0.1 * level);
 }
 
 TEST_F(FuseDepthMapsOfGround, AveragesNoiseAway) {
