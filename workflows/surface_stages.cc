@@ -81,11 +81,11 @@ std::vector<std::vector<Eigen::Vector3d>> PointsInLeft(const Adjustment& adjustm
   return points;
 }
 
-// How many frames may be dense-matched at once (DenseMatcher states what each needs).
 // Of the memory for dense matching, what may stay with the process from frame to frame; the rest is
 // for one that needs more than those before.
 constexpr double kKeptShare = 2.0 / 3.0;
 
+// How many frames may be dense-matched at once (DenseMatcher states what each needs).
 int DenseThreads(const StereoRig& rig, const PartRequest& request) {
   const Camera& camera = rig.left.camera;
   const double disparities =

@@ -45,19 +45,19 @@ std::vector<SurfaceSample> SamplesOf(std::size_t frame, const FusionOptions& opt
   return samples;
 }
 
-// Two grids, a coarse one for level ground and a fine one for what is steep.
-class SurfaceGrid {
+// A coarse grid for level ground and a fine one for what is steep.
+class GridsBySlope {
  public:
-  SurfaceGrid(const FusionOptions& options, const std::filesystem::path& scratch)
+  GridsBySlope(const FusionOptions& options, const std::filesystem::path& scratch)
       : scratch_(scratch),
         level_(options.voxel_m, scratch / "level", kKeptVoxels / 2),
         steep_(options.steep_voxel_share * options.voxel_m, scratch / "steep", kKeptVoxels / 2) {}
-  ~SurfaceGrid() {
+  ~GridsBySlope() {
     std::error_code ignored;
     std::filesystem::remove_all(scratch_, ignored);
   }
-  SurfaceGrid(const SurfaceGrid&) = delete;
-  SurfaceGrid& operator=(const SurfaceGrid&) = delete;
+  GridsBySlope(const GridsBySlope&) = delete;
+  GridsBySlope& operator=(const GridsBySlope&) = delete;
 
   void Add(const std::vector<SurfaceSample>& samples) {
     constexpr float kSteep = 0.7071F;  // 45 degrees: beyond, more of it is seen from beside
@@ -88,7 +88,7 @@ std::vector<std::size_t> FuseDepthMaps(std::span<const PosedDepth> depths,
   const std::vector<Rigid3> world_from_left = PosesOf(depths);
   ViewCache cache(depths, kCachedViews);
   FrameAgreement agreement(world_from_left, options, cache);
-  SurfaceGrid grid(options, target.scratch);
+  GridsBySlope grid(options, target.scratch);
   std::vector<std::size_t> left_out;
   Progress progress("fusion", depths.size());
   for (std::size_t frame = 0; frame < depths.size(); ++frame) {

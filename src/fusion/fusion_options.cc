@@ -1,8 +1,5 @@
 #include "fusion/fusion_options.h"
 
-#include <cmath>
-#include <numbers>
-
 namespace rigmap {
 
 void FusionOptions::Validate() const {
@@ -22,10 +19,6 @@ void FusionOptions::Validate() const {
                 "0 to 1", better_view_share);
   RequireOption(min_observations >= 1, "fusion.min_observations", "at least 1", min_observations);
   RequireOption(max_sigma_m > 0.0, "fusion.max_sigma_m", "above 0", max_sigma_m);
-}
-
-double FusionOptions::LeastCosine() const {
-  return std::cos(max_incidence_deg * std::numbers::pi / 180.0);
 }
 
 }  // namespace rigmap

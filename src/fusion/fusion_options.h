@@ -32,7 +32,8 @@ struct FusionOptions {
   // A frame leaves a point to one that looks at it from nearer, where a disparity makes less than
   // this share of the depth's sigma. 0.85: a twelfth closer.
   double better_view_share = 0.85;
-  // Depth pixels (agreeing ones of neighbours included) below which a voxel is a stray.
+  // Depth pixels (agreeing ones of neighbours included) below which a voxel is a stray; of smaller
+  // voxels, steep_voxel_share of it.
   int min_observations = 4;
   // Largest standard deviation (m) of a point, three voxels: of less certain ones every third
   // beside a rock hangs in the air. Reached at about six metres with a baseline of 0.12 m and 840
@@ -53,8 +54,6 @@ struct FusionOptions {
             {"max_sigma_m", &max_sigma_m}};
   }
   void Validate() const;  // throws UsageError
-
-  double LeastCosine() const;  // of max_incidence_deg
 };
 
 }  // namespace rigmap

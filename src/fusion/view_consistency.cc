@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <optional>
 
 #include "core/statistics.h"
@@ -135,7 +136,6 @@ std::optional<SurfaceSample> SampleAt(const DepthView& reference, const Views& v
   const auto consensus = Confirm(*measured, views, options);
   if (!consensus) return std::nullopt;
   const Eigen::Vector3d normal = NormalInRectified(map, pixel.y, pixel.x);
-  if (-normal.dot(measured->x.normalized()) < options.LeastCosine()) return std::nullopt;
   SurfaceSample sample;
   sample.x_in_world =
       reference.world_from_rectified * (consensus->weighted_sum / consensus->weight);
@@ -147,11 +147,18 @@ std::optional<SurfaceSample> SampleAt(const DepthView& reference, const Views& v
   return sample;
 }
 
+// Zero where the normal is unknown.
+double IncidenceCosine(const SurfaceSample& sample, const Eigen::Vector3d& camera_in_world) {
+  return sample.normal.cast<double>().dot((camera_in_world - sample.x_in_world).normalized());
+}
+
 }  // namespace
 
 std::vector<SurfaceSample> ConfirmedSamples(const DepthView& reference,
                                             const ComparedViews& compared,
                                             const FusionOptions& options) {
+  const double least_cosine = std::cos(options.max_incidence_deg * std::numbers::pi / 180.0);
+  const Eigen::Vector3d& camera = reference.world_from_rectified.translation;
   const Views views{Prepare(reference, compared.near), Prepare(reference, compared.ahead)};
   std::vector<std::vector<SurfaceSample>> rows(
       static_cast<std::size_t>(reference.map.disparity.rows));
@@ -159,7 +166,9 @@ std::vector<SurfaceSample> ConfirmedSamples(const DepthView& reference,
     for (std::size_t row = range.begin(); row < range.end(); ++row) {
       for (int column = 0; column < reference.map.disparity.cols; ++column) {
         const auto sample = SampleAt(reference, views, {column, static_cast<int>(row)}, options);
-        if (sample) rows[row].push_back(*sample);
+        if (sample && IncidenceCosine(*sample, camera) >= least_cosine) {
+          rows[row].push_back(*sample);
+        }
       }
     }
   });
