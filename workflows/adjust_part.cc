@@ -7,9 +7,10 @@
 
 #include "adjustment/level_world.h"
 #include "adjustment/relax_poses.h"
+#include "gates/gates.h"
 #include "odometry/track_frames.h"
-#include "workflows/gates.h"
-#include "workflows/part_trajectory.h"
+#include "trajectory/assemble_trajectory.h"
+#include "trajectory/starting_poses.h"
 
 namespace rigmap {
 namespace {

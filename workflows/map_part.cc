@@ -4,8 +4,8 @@
 #include <spdlog/spdlog.h>
 
 #include "adjustment/free_adjustment.h"
+#include "gates/gates.h"
 #include "scale/baseline_scale.h"
-#include "workflows/gates.h"
 
 namespace rigmap {
 namespace {

@@ -15,6 +15,7 @@
 #include "evaluation/trajectory_metrics.h"
 #include "features/feature_options.h"
 #include "fusion/fusion_options.h"
+#include "gates/gates.h"
 #include "georeference/rtk_alignment.h"
 #include "imaging/mask.h"
 #include "mapping/mapping_options.h"
@@ -22,7 +23,6 @@
 #include "odometry/odometry_options.h"
 #include "raster/raster_options.h"
 #include "scale/scale_options.h"
-#include "workflows/gates.h"
 
 namespace rigmap {
 

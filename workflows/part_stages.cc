@@ -12,12 +12,11 @@
 #include "core/statistics.h"
 #include "dataset/open_dataset.h"
 #include "features/extract_features.h"
+#include "gates/gates.h"
 #include "mapping/build_graph.h"
 #include "matching/match_frames.h"
 #include "odometry/track_frames.h"
-#include "workflows/gates.h"
 #include "workflows/map_part.h"
-#include "workflows/part_trajectory.h"
 #include "workflows/sparse_output.h"
 #include "workflows/trajectory_output.h"
 

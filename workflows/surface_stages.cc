@@ -15,10 +15,10 @@
 #include "export/ply.h"
 #include "export/tum.h"
 #include "fusion/depth_fusion.h"
+#include "gates/gates.h"
 #include "raster/surface_rasters.h"
 #include "raster/surface_views.h"
 #include "workflows/compare_result.h"
-#include "workflows/gates.h"
 #include "workflows/part_stages.h"
 
 namespace rigmap {

@@ -31,4 +31,9 @@ struct OdometryFrame {
 
 using Odometry = std::vector<OdometryFrame>;
 
+// left_from_left: the pose of frame `to` in the left camera of frame `from`.
+inline Rigid3 OdometricStep(const Odometry& odometry, int from, int to) {
+  return odometry[from].world_from_left.Inverse() * odometry[to].world_from_left;
+}
+
 }  // namespace rigmap

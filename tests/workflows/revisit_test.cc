@@ -13,7 +13,7 @@
 #include "odometry/track_frames.h"
 #include "tests/support/simulated_part.h"
 #include "tests/support/temporary_folder.h"
-#include "workflows/part_trajectory.h"
+#include "trajectory/starting_poses.h"
 
 namespace rigmap {
 namespace {

@@ -1,9 +1,9 @@
-// Where the poses of a part begin: before the adjustment, and in the world.
+#include "trajectory/starting_poses.h"
+
 #include <gtest/gtest.h>
 
 #include "tests/support/seeded_random.h"
-#include "tests/workflows/odometric_part.h"
-#include "workflows/part_trajectory.h"
+#include "tests/trajectory/odometric_part.h"
 
 namespace rigmap {
 namespace {

@@ -5,7 +5,7 @@
 
 #include <algorithm>
 
-#include "workflows/part_trajectory.h"
+#include "trajectory/assemble_trajectory.h"
 
 namespace rigmap {
 

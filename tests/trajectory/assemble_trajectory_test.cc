@@ -1,11 +1,11 @@
-#include "workflows/part_trajectory.h"
+#include "trajectory/assemble_trajectory.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
 #include "tests/support/seeded_random.h"
-#include "tests/workflows/odometric_part.h"
+#include "tests/trajectory/odometric_part.h"
 
 namespace rigmap {
 namespace {

@@ -1,6 +1,8 @@
-#include "workflows/part_trajectory.h"
+#include "trajectory/assemble_trajectory.h"
 
 #include <Eigen/LU>
+
+#include "trajectory/starting_poses.h"
 
 namespace rigmap {
 namespace {
@@ -28,10 +30,6 @@ Matrix6d Chain(const Uncertain& reference, const Rigid3& gauge_from_left,
   turn.topLeftCorner<3, 3>() = turn.bottomRightCorner<3, 3>() =
       gauge_from_left.rotation.toRotationMatrix();
   return Carry(reference, gauge_from_left) + turn * step_covariance * turn.transpose();
-}
-
-Rigid3 OdometricStep(const Odometry& odometry, int from, int to) {
-  return odometry[from].world_from_left.Inverse() * odometry[to].world_from_left;
 }
 
 // Indices of all frames, each after the one it hangs on: from the first posed one to the last, then
@@ -105,31 +103,6 @@ TimedPose ToWorld(const OdometryFrame& frame, const Uncertain& pose, bool adjust
 }
 
 }  // namespace
-
-int FirstPosedFrame(const Odometry& odometry) {
-  int first = 0;
-  while (odometry[first].reference != first) ++first;
-  return first;
-}
-
-std::vector<std::optional<Rigid3>> StartingPoses(const Odometry& odometry,
-                                                 const std::vector<std::optional<Rigid3>>& mapped) {
-  std::vector<Rigid3> poses(odometry.size());
-  std::vector<std::optional<Rigid3>> starting(odometry.size());
-  const int first = FirstPosedFrame(odometry), count = static_cast<int>(odometry.size());
-  for (int i = first; i < count; ++i) {
-    const OdometryFrame& frame = odometry[i];
-    poses[i] = frame.world_from_left;
-    if (i < static_cast<int>(mapped.size()) && mapped[i]) {
-      poses[i] = *mapped[i];
-    } else if (frame.reference != i) {
-      poses[i] = poses[frame.reference] * OdometricStep(odometry, frame.reference, i);
-    }
-    const bool measured = frame.source == PoseSource::kOdometry && !frame.stands_still;
-    if (measured || frame.keyframe) starting[i] = poses[i];
-  }
-  return starting;
-}
 
 Trajectory AssembleTrajectory(const Odometry& odometry, const Adjustment& adjustment,
                               const Rigid3& world_from_gauge) {

@@ -7,7 +7,7 @@
 
 #include "core/statistics.h"
 #include "features/stereo_partners.h"
-#include "workflows/gates.h"
+#include "gates/gates.h"
 
 namespace rigmap {
 namespace {

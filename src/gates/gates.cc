@@ -1,4 +1,4 @@
-#include "workflows/gates.h"
+#include "gates/gates.h"
 
 #include <fmt/format.h>
 
