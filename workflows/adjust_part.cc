@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "adjustment/adjust.h"
 #include "adjustment/level_world.h"
 #include "adjustment/relax_poses.h"
 #include "gates/gates.h"

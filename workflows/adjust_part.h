@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "adjustment/adjust.h"
+#include "scene/adjustment.h"
 #include "scene/correspondences.h"
 #include "scene/dataset.h"
 #include "scene/odometry.h"

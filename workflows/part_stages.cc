@@ -16,6 +16,7 @@
 #include "mapping/build_graph.h"
 #include "matching/match_frames.h"
 #include "odometry/track_frames.h"
+#include "scale/baseline_scale.h"
 #include "workflows/map_part.h"
 #include "workflows/sparse_output.h"
 #include "workflows/trajectory_output.h"

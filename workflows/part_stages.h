@@ -4,15 +4,14 @@
 #include <string>
 #include <vector>
 
-#include "adjustment/adjust.h"
 #include "colmap/installation.h"
 #include "features/rig_fixed.h"
-#include "mapping/map_keyframes.h"
-#include "scale/baseline_scale.h"
 #include "scene/correspondences.h"
 #include "scene/dataset.h"
 #include "scene/keyframe_graph.h"
+#include "scene/mapping_result.h"
 #include "scene/odometry.h"
+#include "scene/placed_keyframes.h"
 #include "scene/trajectory.h"
 #include "workflows/adjust_part.h"
 #include "workflows/part_request.h"

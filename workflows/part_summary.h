@@ -4,11 +4,11 @@
 #include <string>
 #include <vector>
 
-#include "mapping/map_keyframes.h"
-#include "scale/baseline_scale.h"
 #include "scene/correspondences.h"
 #include "scene/dataset.h"
 #include "scene/gate.h"
+#include "scene/mapping_result.h"
+#include "scene/placed_keyframes.h"
 #include "scene/trajectory.h"
 #include "workflows/reconstruct_part.h"
 #include "workflows/stage_runner.h"

@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <string>
 
-#include "adjustment/adjust.h"
+#include "scene/adjustment.h"
 #include "scene/dataset.h"
 #include "scene/sparse_model.h"
 #include "workflows/output_folder.h"

@@ -7,7 +7,10 @@
 #include <cmath>
 #include <limits>
 
+#include "adjustment/adjusted_points.h"
 #include "adjustment/bundle.h"
+#include "adjustment/calibration.h"
+#include "adjustment/camera_system.h"
 #include "core/statistics.h"
 #include "correspondence/tracks.h"
 

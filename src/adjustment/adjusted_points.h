@@ -1,36 +1,13 @@
-// Points under adjustment with the pixels that show them.
+// Points for the adjustment, triangulated from tracks.
 #pragma once
 
 #include <optional>
 #include <vector>
 
-#include "adjustment/adjustment_options.h"
+#include "scene/adjustment.h"
 #include "scene/correspondences.h"
-#include "scene/rig.h"
 
 namespace rigmap {
-
-struct PointObservation {
-  int frame = 0;
-  int feature = 0;
-  Eye eye = Eye::kLeft;
-  Eigen::Vector2d pixel = Eigen::Vector2d::Zero();
-
-  template <class Archive>
-  void serialize(Archive& archive) {
-    archive(frame, feature, eye, pixel);
-  }
-};
-
-struct AdjustedPoint {
-  Eigen::Vector3d x = Eigen::Vector3d::Zero();
-  std::vector<PointObservation> observations;
-
-  template <class Archive>
-  void serialize(Archive& archive) {
-    archive(x, observations);
-  }
-};
 
 // True if more than one frame shows the point. Observations stand in order of frames.
 bool SpansFrames(const AdjustedPoint& point);

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "adjustment/adjusted_points.h"
+#include "scene/adjustment.h"
 
 namespace rigmap {
 

@@ -6,6 +6,7 @@
 
 #include <limits>
 
+#include "adjustment/adjusted_points.h"
 #include "adjustment/anchor_frames.h"
 #include "adjustment/reprojection.h"
 #include "adjustment/reprojection_cost.h"

@@ -4,9 +4,8 @@
 #include <optional>
 #include <vector>
 
-#include "adjustment/adjusted_points.h"
 #include "adjustment/adjustment_options.h"
-#include "scene/rig.h"
+#include "scene/adjustment.h"
 
 namespace rigmap {
 

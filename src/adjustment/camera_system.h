@@ -5,9 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "adjustment/adjusted_points.h"
-#include "adjustment/calibration.h"
-#include "scene/trajectory.h"
+#include "scene/adjustment.h"
 
 namespace rigmap {
 

@@ -1,11 +1,11 @@
 // Which way is up.
 #pragma once
 
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
-#include "adjustment/adjust.h"
 #include "scene/dataset.h"
 
 namespace rigmap {

@@ -4,7 +4,7 @@
 #include <Eigen/Core>
 #include <optional>
 
-#include "adjustment/calibration.h"
+#include "scene/calibration.h"
 #include "scene/rig.h"
 
 namespace rigmap {

@@ -7,8 +7,7 @@
 #include <array>
 #include <memory>
 
-#include "adjustment/adjusted_points.h"
-#include "scene/rig.h"
+#include "scene/adjustment.h"
 
 namespace rigmap {
 

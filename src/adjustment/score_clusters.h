@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "adjustment/calibration.h"
+#include "scene/calibration.h"
 #include "scene/trajectory.h"
 
 namespace rigmap {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "adjustment/calibration.h"
 #include "core/statistics.h"
 #include "features/stereo_partners.h"
 #include "gates/gates.h"

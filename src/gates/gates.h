@@ -4,12 +4,12 @@
 #include <optional>
 #include <vector>
 
-#include "adjustment/adjust.h"
 #include "core/options.h"
-#include "scale/baseline_scale.h"
+#include "scene/adjustment.h"
 #include "scene/features.h"
 #include "scene/gate.h"
 #include "scene/odometry.h"
+#include "scene/placed_keyframes.h"
 #include "scene/rig.h"
 
 namespace rigmap {

@@ -6,6 +6,7 @@
 #include "colmap/installation.h"
 #include "mapping/mapping_options.h"
 #include "mapping/seed_model.h"
+#include "scene/mapping_result.h"
 
 namespace rigmap {
 
@@ -14,17 +15,6 @@ struct MappingPaths {
   std::filesystem::path models;   // replaced; sub-models are left in models/0, models/1, ...
   std::filesystem::path scratch;  // on the models' file system; may be removed afterwards
   std::filesystem::path log;
-};
-
-struct MappingResult {
-  std::vector<SparseModel> models;   // largest first, as in the folders
-  std::string method;                // of MappingOptions, that gave them
-  std::vector<std::string> remarks;  // what went otherwise than planned, a sentence each
-
-  template <class Archive>
-  void serialize(Archive& archive) {
-    archive(models, method, remarks);
-  }
 };
 
 // Seeds the mapper with a metric model of the keyframes that hang together best and lets it go on;

@@ -5,51 +5,16 @@
 #include <vector>
 
 #include "scale/scale_options.h"
-#include "scene/odometry.h"
+#include "scene/placed_keyframes.h"
 #include "scene/rig.h"
 #include "scene/sparse_model.h"
 
 namespace rigmap {
 
-struct BaselineScale {
-  double metres_per_model_unit = 0.0;
-  double relative_spread = 0.0;  // 1.4826 MAD / median of all distances, before any is rejected
-  std::vector<int> pairs_used;   // keyframes
-  std::vector<int> pairs_rejected;
-
-  template <class Archive>
-  void serialize(Archive& archive) {
-    archive(metres_per_model_unit, relative_spread, pairs_used, pairs_rejected);
-  }
-};
-
 // From every keyframe (image ids 2k+1 left, 2k+2 right) that has both eyes in the model. Nothing if
 // there is none. Does not depend on the model's gauge, and scales inversely with it.
 std::optional<BaselineScale> MeasureBaseline(const SparseModel& model, double baseline_m,
                                              const ScaleOptions& options);
-
-// A model laid into the world.
-struct PlacedModel {
-  int model = 0;  // index into the models given
-  Sim3 world_from_model;
-  BaselineScale scale;
-  std::vector<int> keyframes;  // posed by this model
-
-  template <class Archive>
-  void serialize(Archive& archive) {
-    archive(model, world_from_model, scale, keyframes);
-  }
-};
-
-struct PlacedKeyframes {
-  std::vector<std::optional<Rigid3>> world_from_left;  // per keyframe, metres
-  std::vector<PlacedModel> models;
-
-  template <class Archive>
-  void serialize(Archive& archive) {
-    archive(world_from_left, models);
-  }
-};
 
 // Scales each model by its own baseline and joins them: the first is laid on the odometric pose of
 // its earliest keyframe, each further one hangs on the nearest keyframe already placed, by the

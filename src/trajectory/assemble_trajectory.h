@@ -3,8 +3,7 @@
 
 #include <vector>
 
-#include "adjustment/adjust.h"
-#include "adjustment/level_world.h"
+#include "scene/adjustment.h"
 #include "scene/odometry.h"
 #include "scene/trajectory.h"
 

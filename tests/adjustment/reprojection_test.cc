@@ -4,6 +4,7 @@
 
 #include <functional>
 
+#include "adjustment/calibration.h"
 #include "tests/support/seeded_random.h"
 #include "tests/support/synthetic_rover.h"
 

@@ -1,0 +1,67 @@
+// Poses, points and rig as bundle adjustment leaves them.
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <vector>
+
+#include "scene/calibration.h"
+#include "scene/rig.h"
+#include "scene/trajectory.h"
+
+namespace rigmap {
+
+struct PointObservation {
+  int frame = 0;
+  int feature = 0;
+  Eye eye = Eye::kLeft;
+  Eigen::Vector2d pixel = Eigen::Vector2d::Zero();
+
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(frame, feature, eye, pixel);
+  }
+};
+
+struct AdjustedPoint {
+  Eigen::Vector3d x = Eigen::Vector3d::Zero();
+  std::vector<PointObservation> observations;
+
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(x, observations);
+  }
+};
+
+struct Adjustment {
+  // Metres, in the adjustment's own gauge; nothing for frames that were not adjusted.
+  std::vector<std::optional<Rigid3>> world_from_left;
+  // Per frame, the frame whose pose was held for it: the first of those that it hangs together
+  // with. Itself for the frames held and those without points.
+  std::vector<int> anchors;
+  // Of world_from_left relative to the frame's anchor, about the gauge's axes: translation (m),
+  // then rotation (rad). Grown by what residuals that go together and a corrected rig add.
+  std::vector<Matrix6d> covariances;
+  std::vector<int> observation_counts;  // per frame, of its points
+  std::vector<AdjustedPoint> points;
+  StereoRig rig;  // as calibrated, unless the part corrected it
+  // By how much it was corrected, also in sigmas of the prior; zero if it was not.
+  CalibrationVector rig_correction = CalibrationVector::Zero();
+  CalibrationVector rig_correction_sigmas = CalibrationVector::Zero();
+  double noise_px = 0.0;         // robust sigma of one residual coordinate
+  double reprojection_px = 0.0;  // median distance
+  double outlier_share = 0.0;    // of all observations of tracks in the posed frames
+  // Nothing on a path shorter than the baseline, which adds nothing to what one frame tells of the
+  // rig, however many frames repeat it.
+  std::optional<CalibrationEquations> calibration;
+
+  bool IsRigCorrected() const { return !rig_correction_sigmas.isZero(); }
+
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(world_from_left, anchors, covariances, observation_counts, points, rig, rig_correction,
+            rig_correction_sigmas, noise_px, reprojection_px, outlier_share, calibration);
+  }
+};
+
+}  // namespace rigmap

@@ -1,0 +1,22 @@
+// What mapping made of a part's keyframes.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "scene/sparse_model.h"
+
+namespace rigmap {
+
+struct MappingResult {
+  std::vector<SparseModel> models;   // largest first, as in the folders
+  std::string method;                // of MappingOptions, that gave them
+  std::vector<std::string> remarks;  // what went otherwise than planned, a sentence each
+
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(models, method, remarks);
+  }
+};
+
+}  // namespace rigmap
