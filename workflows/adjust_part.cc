@@ -82,7 +82,7 @@ class PartAdjuster {
 
   Gates Judge(const AdjustedPart& part) const {
     return JudgeAdjustment({part_.dataset.rig, part.odometry, part.adjustment, part.trajectory},
-                           part_.options.gates);
+                           part_.options.gates.adjustment);
   }
 
   const PartToAdjust& part_;

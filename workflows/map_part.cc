@@ -15,7 +15,7 @@ namespace fs = std::filesystem;
 Gates Judge(const MappingResult& mapped, const GraphWithPoses& input, const PartOptions& options) {
   const PlacedKeyframes placed =
       PlaceModels(mapped.models, input.world_from_left, input.rig, options.scale);
-  return JudgeMapping(&placed, options.gates);
+  return JudgeMapping(&placed, options.gates.mapping);
 }
 
 }  // namespace
@@ -31,7 +31,7 @@ MappingResult MapPart(const ColmapInstallation& colmap, const GraphWithPoses& in
     // Poses of the odometry agree with the rig whatever the images say: let these speak.
     if (mapped.method == "triangulate") {
       for (SparseModel& model : mapped.models) {
-        model = AdjustFreely(model, input.rig, options.matching.min_inliers, {});
+        model = AdjustFreely(model, input.rig, options.matching.verification.min_inliers, {});
       }
     }
     return mapped;

@@ -58,22 +58,20 @@ void Assign(const std::string& assignment, const Sections& sections) {
 }  // namespace
 
 std::vector<std::pair<std::string, OptionFields>> PartOptions::Sections() {
-  OptionFields rock_fields = rocks.Fields();
-  for (OptionField& field : rock_survey.Fields()) rock_fields.push_back(std::move(field));
   return {{"masks", masks.Fields()},
           {"features", features.Fields()},
           {"odometry", odometry.Fields()},
           {"matching", matching.Fields()},
           {"colmap", colmap.Fields()},
-          {"mapping", mapping.Fields()},
+          {"mapping", JoinFields({mapping.Fields(), keyframe_graph.Fields()})},
           {"scale", scale.Fields()},
           {"adjustment", adjustment.Fields()},
           {"dense", dense.Fields()},
-          {"fusion", fusion.Fields()},
-          {"raster", raster.Fields()},
+          {"fusion", JoinFields({voxel.Fields(), fusion.Fields()})},
+          {"raster", JoinFields({raster.Fields(), pictures.Fields()})},
           {"evaluation", evaluation.Fields()},
           {"georeference", georeference.Fields()},
-          {"rocks", std::move(rock_fields)},
+          {"rocks", JoinFields({rocks.Fields(), rock_survey.Fields()})},
           {"gates", gates.Fields()}};
 }
 
@@ -84,11 +82,14 @@ void PartOptions::Validate() const {
   matching.Validate();
   colmap.Validate();
   mapping.Validate();
+  keyframe_graph.Validate();
   scale.Validate();
   adjustment.Validate();
   dense.Validate();
+  voxel.Validate();
   fusion.Validate();
   raster.Validate();
+  pictures.Validate();
   evaluation.Validate();
   georeference.Validate();
   rocks.Validate();

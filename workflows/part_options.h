@@ -33,15 +33,18 @@ struct PartOptions {
   MatchingOptions matching;
   ColmapOptions colmap;
   MappingOptions mapping;
+  KeyframeGraphOptions keyframe_graph;  // in the section of mapping
   ScaleOptions scale;
   AdjustmentOptions adjustment;
   DenseOptions dense;
+  VoxelOptions voxel;  // in the section of fusion
   FusionOptions fusion;
-  RasterOptions raster;  // its cells are the voxels of fusion
+  RasterOptions raster;
+  PictureOptions pictures;  // in the section of raster
   EvaluationOptions evaluation;
   RtkAlignmentOptions georeference;
-  RockSegmentationOptions rocks;  // one section with the next
-  RockSurveyOptions rock_survey;
+  RockSegmentationOptions rocks;
+  RockSurveyOptions rock_survey;  // in the section of rocks
   GateOptions gates;
 
   // Section names with their fields, in the order of the file.
@@ -53,12 +56,6 @@ struct PartOptions {
 // UsageError for the rest.
 PartOptions LoadPartOptions(const std::optional<std::filesystem::path>& config,
                             const std::vector<std::string>& assignments);
-
-// The options of one section as text that changes whenever one of them does.
-template <class Options>
-std::string OptionsText(Options options) {
-  return WriteOptions(options.Fields());
-}
 
 // YAML that LoadPartOptions reads back to the same options.
 std::string WritePartOptions(PartOptions options);

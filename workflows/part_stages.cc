@@ -151,7 +151,7 @@ Correspondences PartStages::Match(const Dataset& dataset, const FeatureIndex& fe
 
 KeyframeGraph PartStages::WriteGraph(const Dataset& dataset, const Odometry& odometry,
                                      const Correspondences& matches) const {
-  const auto& options = request_.options.mapping;
+  const auto& options = request_.options.keyframe_graph;
   const OutputLayout& layout = run_.layout();
   const auto publish = [&](const KeyframeGraph& graph) {
     LinkImages(dataset, layout.Images());
@@ -169,8 +169,7 @@ KeyframeGraph PartStages::WriteGraph(const Dataset& dataset, const Odometry& odo
 
 MappingResult PartStages::Map(const Dataset& dataset, const Odometry& odometry,
                               const Correspondences& matches, const KeyframeGraph& graph) const {
-  const auto& options = request_.options.mapping;
-  const GateOptions& gates = request_.options.gates;
+  const PartOptions& options = request_.options;
   const OutputLayout& layout = run_.layout();
   const auto make = [&] {
     if (graph.keyframes.size() < kMinMappedKeyframes) {
@@ -180,15 +179,14 @@ MappingResult PartStages::Map(const Dataset& dataset, const Odometry& odometry,
     const GraphWithPoses input{graph, matches, dataset.rig, KeyframePoses(odometry, graph)};
     const MappingPaths paths{layout.Database(), layout.Images(), layout.Models(), layout.Scratch(),
                              layout.Log("mapping")};
-    MappingResult mapped = MapPart(colmap_, input, paths, request_.options, request_.threads);
+    MappingResult mapped = MapPart(colmap_, input, paths, options, request_.threads);
     fs::remove_all(layout.Scratch());
     return mapped;
   };
   return run_.Run(Stage<MappingResult>{
       .name = "mapping",
-      .options =
-          OptionsText(options) + OptionsText(request_.options.scale) +
-          fmt::format("{} {} {}", gates.baseline_spread, gates.baseline_rejected, gates.registered),
+      .options = OptionsText(options.mapping) + OptionsText(options.matching.verification) +
+                 OptionsText(options.scale) + OptionsText(options.gates.mapping),
       .make = make,
       .report = [&](const MappingResult& mapped) { summary_.SetMapping(mapped); },
       .published = {layout.Models()},
@@ -212,8 +210,7 @@ PlacedKeyframes PartStages::Scale(const Dataset& dataset, const Odometry& odomet
 AdjustedPart PartStages::Adjust(const Dataset& dataset, const FeatureIndex& features,
                                 const Odometry& odometry, const Correspondences& matches,
                                 const KeyframeGraph& graph, const PlacedKeyframes& placed) const {
-  const auto& options = request_.options.adjustment;
-  const GateOptions& gates = request_.options.gates;
+  const PartOptions& options = request_.options;
   const OutputLayout& layout = run_.layout();
   const auto make = [&] {
     std::vector<std::optional<Rigid3>> mapped(odometry.size());
@@ -221,7 +218,7 @@ AdjustedPart PartStages::Adjust(const Dataset& dataset, const FeatureIndex& feat
       mapped[graph.keyframes[k].frame] = placed.world_from_left[k];
     }
     const auto load = [&](int frame) { return LoadFeatures(dataset, features, frame); };
-    return AdjustPart({dataset, matches, odometry, std::move(mapped), load, request_.options});
+    return AdjustPart({dataset, matches, odometry, std::move(mapped), load, options});
   };
   const auto report = [&](const AdjustedPart& part) {
     summary_.SetTrajectory(part.trajectory, part.world_up);
@@ -231,7 +228,7 @@ AdjustedPart PartStages::Adjust(const Dataset& dataset, const FeatureIndex& feat
     const PlacedKeyframes* mapped = was_mapped ? &placed : nullptr;
     summary_.AddGates(JudgePart({dataset.rig, part.odometry, part.adjustment, part.trajectory,
                                  mapped, features.epipolar_px},
-                                request_.options.gates));
+                                options.gates));
   };
   const auto publish = [&](const AdjustedPart& part) {
     WriteSparseOutput(MakeSparseOutput(dataset, part.adjustment, part.world_from_gauge), layout);
@@ -245,9 +242,8 @@ AdjustedPart PartStages::Adjust(const Dataset& dataset, const FeatureIndex& feat
   if (!dataset.rig.antenna_in_left) std::erase(published, layout.root / "trajectory_antenna.tum");
   return run_.Run(Stage<AdjustedPart>{
       .name = "adjustment",
-      .options = OptionsText(options) + fmt::format("{} {} {} {}", gates.motion_agreement_sigmas,
-                                                    gates.motion_agreement_pct,
-                                                    gates.reprojection_px, gates.outlier_share),
+      .options = OptionsText(options.adjustment) + OptionsText(options.odometry) +
+                 OptionsText(options.gates.adjustment),
       .make = make,
       .report = report,
       .publish = publish,

@@ -102,18 +102,18 @@ DepthIndex PartStages::MatchDense(const Dataset& dataset, const FeatureIndex& fe
   const std::string options =
       RIGMAP_VERSION + OptionsText(request_.options.dense) + OptionsText(request_.options.masks);
   const std::vector<int> frames =
-      DenseFrames(part.trajectory, features, request_.options.fusion.voxel_m);
+      DenseFrames(part.trajectory, features, request_.options.voxel.voxel_m);
   std::vector<fs::path> files;
   for (const int frame : frames) {
     files.push_back(run_.layout().DepthOf(dataset.frames[frame]));
   }
   const auto report = [&](const DepthIndex& index) {
-    summary_.AddGates({JudgeDepthBias(index.bias_px, request_.options.gates)});
+    summary_.AddGates({JudgeDepthBias(index.bias_px, request_.options.gates.dense)});
   };
   return run_.Run(Stage<DepthIndex>{
       .name = "dense",
       // The voxel decides which frames are sure enough.
-      .options = options + fmt::format("{}", request_.options.fusion.voxel_m),
+      .options = options + OptionsText(request_.options.voxel),
       .make = [&] { return MatchAllDense(dataset, features.rig_fixed, part, frames, options); },
       .report = report,
       .published = files,
@@ -158,8 +158,7 @@ DepthIndex PartStages::MatchAllDense(const Dataset& dataset, const RigFixedCells
 void PartStages::Fuse(const Dataset& dataset, const AdjustedPart& part,
                       const DepthIndex& depths) const {
   FusionOptions options = request_.options.fusion;
-  RasterOptions raster = request_.options.raster;
-  raster.cell_m = options.voxel_m;
+  const VoxelOptions& voxel = request_.options.voxel;
   const fs::path root = run_.layout().root, ply = root / "dense.ply";
   const auto make = [&] {
     std::vector<PosedDepth> posed;
@@ -175,7 +174,7 @@ void PartStages::Fuse(const Dataset& dataset, const AdjustedPart& part,
       PlyWriter writer(stream);
       const auto take = [&](std::span<const SurfacePoint> points) { writer.Write(points); };
       for (const std::size_t i :
-           FuseDepthMaps(posed, options, {run_.layout().Scratch() / "tiles", take})) {
+           FuseDepthMaps(posed, voxel, options, {run_.layout().Scratch() / "tiles", take})) {
         fused.frames_left_out.push_back(depths.frames[i]);
       }
       writer.Finish();
@@ -184,8 +183,9 @@ void PartStages::Fuse(const Dataset& dataset, const AdjustedPart& part,
     fs::remove_all(run_.layout().Scratch());
     fused.hash = HashFile(ply);
     if (fused.points > 0) {
-      WriteSurfaceRasters(ply, root, raster);
-      WriteSurfaceViews(ply, part.trajectory, root, raster);
+      const GriddedCloud cloud{ply, voxel.voxel_m};
+      WriteSurfaceRasters(cloud, root, request_.options.raster);
+      WriteSurfaceViews(cloud, part.trajectory, root, request_.options.pictures);
     }
     return fused;
   };
@@ -199,7 +199,8 @@ void PartStages::Fuse(const Dataset& dataset, const AdjustedPart& part,
   // The map itself is the product; what is kept beside it is its hash.
   run_.Run(Stage<FusedMap>{
       .name = "fusion",
-      .options = OptionsText(request_.options.fusion) + OptionsText(request_.options.raster),
+      .options = OptionsText(voxel) + OptionsText(request_.options.fusion) +
+                 OptionsText(request_.options.raster) + OptionsText(request_.options.pictures),
       .make = make,
       .report = report,
       .published = run_.layout().PublishedBy("fusion"),

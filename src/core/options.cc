@@ -82,6 +82,12 @@ std::string WriteOptions(const OptionFields& fields) {
   return text;
 }
 
+OptionFields JoinFields(std::initializer_list<OptionFields> parts) {
+  OptionFields joined;
+  for (const OptionFields& part : parts) joined.insert(joined.end(), part.begin(), part.end());
+  return joined;
+}
+
 void RequireOption(bool holds, const std::string& name, const std::string& requirement,
                    double value) {
   if (!holds) {

@@ -8,6 +8,7 @@
 //   };
 #pragma once
 
+#include <initializer_list>
 #include <string>
 #include <variant>
 #include <vector>
@@ -32,6 +33,16 @@ void SetOption(const std::string& stage, const std::string& option, const std::s
 // One "  name: value" line per field, numbers so that they read back to the same value. The text
 // is also what an artefact's key is taken from.
 std::string WriteOptions(const OptionFields& fields);
+
+// The same of a struct of options.
+template <class Options>
+std::string OptionsText(const Options& options) {
+  Options copy = options;
+  return WriteOptions(copy.Fields());
+}
+
+// The fields of several structs, in this order.
+OptionFields JoinFields(std::initializer_list<OptionFields> parts);
 
 // Throws UsageError "option NAME: expected REQUIREMENT, found VALUE" unless `holds`.
 void RequireOption(bool holds, const std::string& name, const std::string& requirement,

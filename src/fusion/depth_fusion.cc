@@ -48,10 +48,10 @@ std::vector<SurfaceSample> SamplesOf(std::size_t frame, const FusionOptions& opt
 // A coarse grid for level ground and a fine one for what is steep.
 class GridsBySlope {
  public:
-  GridsBySlope(const FusionOptions& options, const std::filesystem::path& scratch)
+  GridsBySlope(double level_voxel_m, double steep_voxel_m, const std::filesystem::path& scratch)
       : scratch_(scratch),
-        level_(options.voxel_m, scratch / "level", kKeptVoxels / 2),
-        steep_(options.steep_voxel_share * options.voxel_m, scratch / "steep", kKeptVoxels / 2) {}
+        level_(level_voxel_m, scratch / "level", kKeptVoxels / 2),
+        steep_(steep_voxel_m, scratch / "steep", kKeptVoxels / 2) {}
   ~GridsBySlope() {
     std::error_code ignored;
     std::filesystem::remove_all(scratch_, ignored);
@@ -83,12 +83,14 @@ class GridsBySlope {
 }  // namespace
 
 std::vector<std::size_t> FuseDepthMaps(std::span<const PosedDepth> depths,
-                                       const FusionOptions& options, const FusionTarget& target) {
+                                       const VoxelOptions& voxel, const FusionOptions& options,
+                                       const FusionTarget& target) {
+  voxel.Validate();
   options.Validate();
   const std::vector<Rigid3> world_from_left = PosesOf(depths);
   ViewCache cache(depths, kCachedViews);
   FrameAgreement agreement(world_from_left, options, cache);
-  GridsBySlope grid(options, target.scratch);
+  GridsBySlope grid(voxel.voxel_m, options.steep_voxel_share * voxel.voxel_m, target.scratch);
   std::vector<std::size_t> left_out;
   Progress progress("fusion", depths.size());
   for (std::size_t frame = 0; frame < depths.size(); ++frame) {

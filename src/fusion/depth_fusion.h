@@ -41,6 +41,7 @@ struct FusionTarget {
 inline constexpr std::size_t kCachedViews = 40;
 inline constexpr std::size_t kKeptVoxels = 2'000'000;
 std::vector<std::size_t> FuseDepthMaps(std::span<const PosedDepth> depths,
-                                       const FusionOptions& options, const FusionTarget& target);
+                                       const VoxelOptions& voxel, const FusionOptions& options,
+                                       const FusionTarget& target);
 
 }  // namespace rigmap

@@ -2,8 +2,11 @@
 
 namespace rigmap {
 
-void FusionOptions::Validate() const {
+void VoxelOptions::Validate() const {
   RequireOption(voxel_m >= 1e-4, "fusion.voxel_m", "at least 0.0001", voxel_m);
+}
+
+void FusionOptions::Validate() const {
   RequireOption(steep_voxel_share >= 0.1 && steep_voxel_share <= 1.0, "fusion.steep_voxel_share",
                 "0.1 to 1", steep_voxel_share);
   RequireOption(neighbours >= 0, "fusion.neighbours", "at least 0", neighbours);

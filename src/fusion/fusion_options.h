@@ -5,11 +5,18 @@
 
 namespace rigmap {
 
-struct FusionOptions {
+// The grid of the map: read by every stage that asks how fine the map is.
+struct VoxelOptions {
   // Side of the cubes (m) in which points are merged: about a pixel at 8 m for 840 px, and finer
   // than the depth noise from 2 m on.
   double voxel_m = 0.01;
-  // Side of the cubes on faces steeper than 45 degrees, as a share of that. Rocks are small, and
+
+  OptionFields Fields() { return {{"voxel_m", &voxel_m}}; }
+  void Validate() const;  // throws UsageError
+};
+
+struct FusionOptions {
+  // Side of the cubes on faces steeper than 45 degrees, as a share of voxel_m. Rocks are small, and
   // their faces are seen head on: at three metres a pixel of 840 px focal length covers 4 mm of
   // them.
   double steep_voxel_share = 0.5;
@@ -41,8 +48,7 @@ struct FusionOptions {
   double max_sigma_m = 0.03;
 
   OptionFields Fields() {
-    return {{"voxel_m", &voxel_m},
-            {"steep_voxel_share", &steep_voxel_share},
+    return {{"steep_voxel_share", &steep_voxel_share},
             {"neighbours", &neighbours},
             {"ahead", &ahead},
             {"max_neighbour_angle_deg", &max_neighbour_angle_deg},

@@ -39,7 +39,7 @@ std::optional<double> CorrectedEpipolarPx(const Adjustment& adjustment) {
   return MedianAbsolute(std::move(errors_px));
 }
 
-void JudgeEpipolar(const GateInputs& inputs, const GateOptions& options, Gates& gates) {
+void JudgeEpipolar(const GateInputs& inputs, const CalibrationGateOptions& options, Gates& gates) {
   std::optional<double> epipolar_px;
   if (inputs.adjustment.IsRigCorrected()) {
     epipolar_px = CorrectedEpipolarPx(inputs.adjustment);
@@ -51,7 +51,8 @@ void JudgeEpipolar(const GateInputs& inputs, const GateOptions& options, Gates& 
 }
 
 // A rig that the part corrected has to stay near its calibration.
-void JudgeCorrection(const GateInputs& inputs, const GateOptions& options, Gates& gates) {
+void JudgeCorrection(const GateInputs& inputs, const CalibrationGateOptions& options,
+                     Gates& gates) {
   std::optional<double> sigmas;
   if (inputs.adjustment.IsRigCorrected()) {
     sigmas = inputs.adjustment.rig_correction_sigmas.cwiseAbs().maxCoeff();
@@ -66,7 +67,8 @@ double Excusing(double sigma, double sigma_if_independent, double limit) {
   return sigma <= limit ? sigma : sigma_if_independent;
 }
 
-void JudgeConsistency(const GateInputs& inputs, const GateOptions& options, Gates& gates) {
+void JudgeConsistency(const GateInputs& inputs, const CalibrationGateOptions& options,
+                      Gates& gates) {
   std::optional<double> turn_deg, turn_sigmas, focal_pct, focal_sigmas;
   std::string turn_why = "the path cannot determine it", focal_why = turn_why;
   const double depth_m = MedianDepth(inputs);
@@ -112,7 +114,7 @@ void JudgeConsistency(const GateInputs& inputs, const GateOptions& options, Gate
 
 }  // namespace
 
-Gates JudgeCalibration(const GateInputs& inputs, const GateOptions& options) {
+Gates JudgeCalibration(const GateInputs& inputs, const CalibrationGateOptions& options) {
   Gates gates;
   JudgeEpipolar(inputs, options, gates);
   JudgeCorrection(inputs, options, gates);

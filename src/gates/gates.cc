@@ -11,7 +11,7 @@
 namespace rigmap {
 namespace {
 
-void JudgePrediction(const GateInputs& inputs, const GateOptions& options, Gates& gates) {
+void JudgePrediction(const GateInputs& inputs, const PoseGateOptions& options, Gates& gates) {
   std::size_t predicted = 0;
   for (std::size_t i = 0; i < inputs.odometry.size(); ++i) {
     const bool is_guess = inputs.odometry[i].source == PoseSource::kPredicted;
@@ -47,7 +47,7 @@ std::optional<double> DistanceSigmaPct(const GateInputs& inputs) {
 }
 
 // What the trajectory's own sigmas say of its frames that were measured.
-void JudgeSigmas(const GateInputs& inputs, const GateOptions& options, Gates& gates) {
+void JudgeSigmas(const GateInputs& inputs, const PoseGateOptions& options, Gates& gates) {
   std::optional<double> pct;
   double path_m = 0.0, square_m2 = 0.0;
   std::size_t measured = 0;
@@ -98,7 +98,7 @@ std::vector<StepDifference> StepDifferences(const GateInputs& inputs) {
 
 // A step is as far off as the smaller of its two shares of the limits; the gates show the step
 // that nine out of ten are better than.
-void JudgeMotion(const GateInputs& inputs, const GateOptions& options, Gates& gates) {
+void JudgeMotion(const GateInputs& inputs, const AdjustmentGateOptions& options, Gates& gates) {
   constexpr double kShare = 0.9;
   std::optional<double> sigmas, pct;
   auto differences = StepDifferences(inputs);
@@ -130,34 +130,7 @@ void AddEither(Gate a, Gate b, Gates& gates) {
   gates.push_back(std::move(b));
 }
 
-OptionFields GateOptions::Fields() {
-  return {{"baseline_spread", &baseline_spread},
-          {"baseline_rejected", &baseline_rejected},
-          {"registered", &registered},
-          {"predicted", &predicted},
-          {"position_sigma_pct", &position_sigma_pct},
-          {"scale_sigma_pct", &scale_sigma_pct},
-          {"motion_agreement_sigmas", &motion_agreement_sigmas},
-          {"motion_agreement_pct", &motion_agreement_pct},
-          {"reprojection_px", &reprojection_px},
-          {"outlier_share", &outlier_share},
-          {"epipolar_px", &epipolar_px},
-          {"rig_refinement_sigmas", &rig_refinement_sigmas},
-          {"max_depth_error_share", &max_depth_error_share},
-          {"intrinsics_consistency_pct", &intrinsics_consistency_pct},
-          {"consistency_sigmas", &consistency_sigmas},
-          {"depth_bias_px", &depth_bias_px}};
-}
-
-void GateOptions::Validate() const {
-  GateOptions copy = *this;
-  for (const OptionField& field : copy.Fields()) {
-    const double value = *std::get<double*>(field.value);
-    RequireOption(value > 0.0, "gates." + field.name, "more than 0", value);
-  }
-}
-
-Gates JudgeMapping(const PlacedKeyframes* placed, const GateOptions& options) {
+Gates JudgeMapping(const PlacedKeyframes* placed, const MappingGateOptions& options) {
   Gates gates;
   std::optional<double> spread, rejected, registered;
   if (placed) {
@@ -187,7 +160,7 @@ bool AllPassed(const Gates& gates) {
   return std::all_of(gates.begin(), gates.end(), [](const Gate& gate) { return gate.passed; });
 }
 
-Gates JudgeAdjustment(const GateInputs& inputs, const GateOptions& options) {
+Gates JudgeAdjustment(const GateInputs& inputs, const AdjustmentGateOptions& options) {
   Gates gates;
   JudgeMotion(inputs, options, gates);
   const bool adjusted = !inputs.adjustment.points.empty();
@@ -201,18 +174,24 @@ Gates JudgeAdjustment(const GateInputs& inputs, const GateOptions& options) {
   return gates;
 }
 
-Gates JudgePart(const GateInputs& inputs, const GateOptions& options) {
-  Gates gates = JudgeMapping(inputs.placed, options);
+Gates JudgePoses(const GateInputs& inputs, const PoseGateOptions& options) {
+  Gates gates;
   JudgePrediction(inputs, options, gates);
   JudgeSigmas(inputs, options, gates);
-  const Gates adjusted = JudgeAdjustment(inputs, options);
-  gates.insert(gates.end(), adjusted.begin(), adjusted.end());
-  const Gates calibration = JudgeCalibration(inputs, options);
-  gates.insert(gates.end(), calibration.begin(), calibration.end());
   return gates;
 }
 
-Gate JudgeDepthBias(std::optional<double> bias_px, const GateOptions& options) {
+Gates JudgePart(const GateInputs& inputs, const GateOptions& options) {
+  Gates gates = JudgeMapping(inputs.placed, options.mapping);
+  for (const Gates& more :
+       {JudgePoses(inputs, options.poses), JudgeAdjustment(inputs, options.adjustment),
+        JudgeCalibration(inputs, options.calibration)}) {
+    gates.insert(gates.end(), more.begin(), more.end());
+  }
+  return gates;
+}
+
+Gate JudgeDepthBias(std::optional<double> bias_px, const DepthGateOptions& options) {
   const auto size_px = bias_px ? std::optional(std::abs(*bias_px)) : std::nullopt;
   return AtMost("depth_bias_px", size_px, options.depth_bias_px,
                 "median disparity of dense matching minus that of sparse points");

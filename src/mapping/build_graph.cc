@@ -47,7 +47,7 @@ std::vector<Track> ChooseTracks(std::vector<Track> tracks, std::size_t keyframes
 }  // namespace
 
 KeyframeGraph BuildKeyframeGraph(const Correspondences& correspondences, const Odometry& odometry,
-                                 const Dataset& dataset, const MappingOptions& options) {
+                                 const Dataset& dataset, const KeyframeGraphOptions& options) {
   KeyframeGraph graph;
   std::vector<int> keyframe_of_frame(odometry.size(), -1);
   for (std::size_t i = 0; i < odometry.size(); ++i) {

@@ -58,7 +58,8 @@ class FrameMatcher {
     spdlog::info("{} {}: {} verified, {} aligned", pair.a, pair.b, verified.matches.size(),
                  refined.matches.size());
     // The motion is proven already: half of what that takes is enough to agree in looks, too.
-    if (static_cast<int>(refined.matches.size()) < options_.min_inliers / 2) return;
+    const int enough = options_.verification.min_inliers / 2;
+    if (static_cast<int>(refined.matches.size()) < enough) return;
     result_.pairs.push_back(std::move(refined));
     if (!returned) return;
     result_.revisits.push_back({pair.a, pair.b, motion.current_from_reference, motion.covariance,

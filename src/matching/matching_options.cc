@@ -14,12 +14,17 @@ OptionFields MatchingOptions::Fields() {
           {"keypoint_noise_px", &keypoint_noise_px},
           {"disparity_noise_px", &disparity_noise_px},
           {"max_sigmas", &max_sigmas},
-          {"min_inliers", &min_inliers},
+          {"min_inliers", &verification.min_inliers},
           {"min_correlation", &min_correlation},
           {"max_position_sigma_px", &max_position_sigma_px}};
 }
 
+void VerificationOptions::Validate() const {
+  RequireOption(min_inliers >= 6, "matching.min_inliers", "at least 6", min_inliers);
+}
+
 void MatchingOptions::Validate() const {
+  verification.Validate();
   const auto positive = [](const char* name, double value) {
     RequireOption(value > 0.0, std::string("matching.") + name, "more than 0", value);
   };
@@ -33,7 +38,6 @@ void MatchingOptions::Validate() const {
                 min_revisit_inliers);
   RequireOption(sure_revisit_inliers >= min_revisit_inliers, "matching.sure_revisit_inliers",
                 "at least min_revisit_inliers", sure_revisit_inliers);
-  RequireOption(min_inliers >= 6, "matching.min_inliers", "at least 6", min_inliers);
   RequireOption(min_correlation > 0.0 && min_correlation < 1.0, "matching.min_correlation",
                 "between 0 and 1", min_correlation);
   positive("search_radius_px", search_radius_px);

@@ -5,6 +5,16 @@
 
 namespace rigmap {
 
+// When a pair of frames counts as matched: also what the mapping asks of an image.
+struct VerificationOptions {
+  // Fewer agreeing matches make no motion; with fewer than half of them aligned the pair is
+  // dropped.
+  int min_inliers = 15;
+
+  OptionFields Fields() { return {{"min_inliers", &min_inliers}}; }
+  void Validate() const;  // throws UsageError
+};
+
 struct MatchingOptions {
   // Every keyframe is matched with so many before it. Sand leaves half its matches from one frame
   // to the next, so that beyond four little is gained.
@@ -33,9 +43,7 @@ struct MatchingOptions {
   double keypoint_noise_px = 0.3;
   double disparity_noise_px = 0.15;
   double max_sigmas = 4.0;
-  // Fewer agreeing matches make no motion; with fewer than half of them aligned the pair is
-  // dropped.
-  int min_inliers = 15;
+  VerificationOptions verification;
   // Positions are refined by aligning grey patches with the first view of a place; a patch that
   // correlates less, or whose position is less certain (px), is dropped from the match.
   double min_correlation = 0.8;

@@ -18,7 +18,7 @@ VerifiedPair VerifyPair(const CandidatePair& pair, const Rigid3& predicted_b_fro
   StereoPoseOptions pose_options;
   pose_options.noise_px = options.keypoint_noise_px;
   pose_options.max_sigmas = options.max_sigmas;
-  pose_options.min_inliers = options.min_inliers;
+  pose_options.min_inliers = options.verification.min_inliers;
   const auto pose =
       EstimateStereoPose(seen.sightings, rig, std::array{predicted_b_from_a}, pose_options);
   return pose ? VerifiedPair{seen.Agreeing(*pose), pose} : VerifiedPair{};

@@ -40,7 +40,14 @@ Eigen::Vector2d CellFrame::UpperLeft() const {
   return cell_m * Eigen::Vector2d(static_cast<double>(west), static_cast<double>(north + 1));
 }
 
-CellFrame FrameOf(const std::filesystem::path& ply, double cell_m) {
+void GriddedCloud::Validate() const {
+  if (!(cell_m >= 1e-4 && cell_m <= 1000.0)) {
+    throw UsageError(fmt::format("cells: expected 0.0001 to 1000 m, found {}", cell_m));
+  }
+}
+
+CellFrame FrameOf(const GriddedCloud& cloud) {
+  const auto& [ply, cell_m] = cloud;
   const Eigen::AlignedBox2d bounds = BoundsOf(ply);
   if (bounds.isEmpty()) {
     throw DataError(fmt::format("{}: expected points, found none", ply.string()));

@@ -27,9 +27,18 @@ struct CellFrame {
   int TilesDown() const { return (rows + kTileCells - 1) / kTileCells; }
 };
 
+// A cloud in metres, z up, in any order. Its cells are the voxels it was merged in: finer ones
+// leave holes between the points, coarser ones lose detail.
+struct GriddedCloud {
+  std::filesystem::path ply;
+  double cell_m = 0.0;
+
+  void Validate() const;  // throws UsageError for cells that are none
+};
+
 // The smallest frame that holds all finite points of a cloud. Throws DataError naming the file for
 // a cloud that cannot be read or has no such point, and for one whose map would have more than 1e11
 // cells.
-CellFrame FrameOf(const std::filesystem::path& ply, double cell_m);
+CellFrame FrameOf(const GriddedCloud& cloud);
 
 }  // namespace rigmap

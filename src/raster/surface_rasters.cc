@@ -81,14 +81,14 @@ std::uint64_t SeenCells(const SurfaceGrid& grid, int margin) {
   return count;
 }
 
-void WriteTiles(PointBins& bins, const RasterOptions& options, MapFile& height, MapFile& ortho,
+void WriteTiles(PointBins& bins, int max_hole_cells, MapFile& height, MapFile& ortho,
                 RasterSummary& summary) {
   for (int row = 0; row < summary.frame.TilesDown(); ++row) {
     for (int column = 0; column < summary.frame.TilesAcross(); ++column) {
       if (!bins.HasPoints(column, row)) continue;
-      SurfaceGrid grid = TileSurface(bins, column, row, options.cell_m);
+      SurfaceGrid grid = TileSurface(bins, column, row, summary.frame.cell_m);
       const std::uint64_t measured = SeenCells(grid, bins.margin());
-      FillPinholes(grid, options.max_hole_cells, options.max_hole_cells);
+      FillPinholes(grid, max_hole_cells, max_hole_cells);
       summary.measured_cells += measured;
       summary.filled_cells += SeenCells(grid, bins.margin()) - measured;
       height.WriteTile(column, row, grid, bins.margin());
@@ -99,17 +99,18 @@ void WriteTiles(PointBins& bins, const RasterOptions& options, MapFile& height, 
 
 }  // namespace
 
-RasterSummary WriteSurfaceRasters(const fs::path& ply, const fs::path& folder,
+RasterSummary WriteSurfaceRasters(const GriddedCloud& cloud, const fs::path& folder,
                                   const RasterOptions& options, const Georeference& georeference) {
+  cloud.Validate();
   options.Validate();
-  RasterSummary summary{FrameOf(ply, options.cell_m)};
+  RasterSummary summary{FrameOf(cloud)};
   const ScratchFolder scratch(folder / "rasters.unfinished");
   const GdalSession session;
   PointBins bins(summary.frame, options.max_hole_cells, scratch.File("points"));
-  FillBins(ply, bins);
+  FillBins(cloud.ply, bins);
   MapFile height(scratch.File("height"), MapLayer::kHeight, summary.frame, georeference);
   MapFile ortho(scratch.File("ortho"), MapLayer::kColour, summary.frame, georeference);
-  WriteTiles(bins, options, height, ortho, summary);
+  WriteTiles(bins, options.max_hole_cells, height, ortho, summary);
   height.SaveCloudOptimised(scratch.File("height.tif"));
   ortho.SaveCloudOptimised(scratch.File("ortho.tif"));
   Publish(scratch.File("height.tif"), folder / "height.tif");

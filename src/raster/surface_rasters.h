@@ -15,8 +15,8 @@ struct RasterSummary {
   std::uint64_t filled_cells = 0;  // pinholes, see upper_surface.h
 };
 
-// Writes folder/height.tif and folder/ortho.tif, cloud-optimised GeoTIFFs of the same cells, from a
-// cloud in metres, z up, in any order. Cells as in UpperSurface, with layers as thick as a cell.
+// Writes folder/height.tif and folder/ortho.tif, cloud-optimised GeoTIFFs of the same cells. Cells
+// as in UpperSurface, with layers as thick as a cell.
 //   height.tif  Float32, metres, nodata -9999
 //   ortho.tif   red, green, blue, alpha; alpha 0 where nothing was seen
 // North-up in world; without a `georeference` the coordinate system is a local one, "rigmap world".
@@ -25,8 +25,8 @@ struct RasterSummary {
 // whose name IsTemporaryName knows. Throws DataError naming the file for a cloud that cannot be
 // read, has no point or spreads too far (FrameOf), and where writing fails; old files are then left
 // as they were. Throws UsageError. One call at a time in a process.
-RasterSummary WriteSurfaceRasters(const std::filesystem::path& ply,
-                                  const std::filesystem::path& folder, const RasterOptions& options,
+RasterSummary WriteSurfaceRasters(const GriddedCloud& cloud, const std::filesystem::path& folder,
+                                  const RasterOptions& options,
                                   const Georeference& georeference = {});
 
 }  // namespace rigmap

@@ -210,13 +210,14 @@ void WritePng(const cv::Mat3b& picture, const fs::path& path) {
 
 }  // namespace
 
-void WriteSurfaceViews(const fs::path& ply, const Trajectory& trajectory, const fs::path& folder,
-                       const RasterOptions& options) {
+void WriteSurfaceViews(const GriddedCloud& cloud, const Trajectory& trajectory,
+                       const fs::path& folder, const PictureOptions& options) {
+  cloud.Validate();
   options.Validate();
   std::array<View, 3> views = Views(trajectory);
-  CountExtents(ply, views);
+  CountExtents(cloud.ply, views);
   for (View& view : views) Frame(trajectory, options.picture_px, view);
-  std::array<SurfaceGrid, 3> surfaces = Surfaces(ply, views, options.cell_m);
+  std::array<SurfaceGrid, 3> surfaces = Surfaces(cloud.ply, views, cloud.cell_m);
   for (std::size_t i = 0; i < views.size(); ++i) {
     const double gap_px = std::min(kMaxGap_m * views[i].px_per_m, kMaxGapPx);
     const int max_width_px = 1 + static_cast<int>(gap_px);

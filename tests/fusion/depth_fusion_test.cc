@@ -46,7 +46,7 @@ class FuseDepthMapsOfGround : public testing::Test {
                               [&cloud](std::span<const SurfacePoint> piece) {
                                 cloud.insert(cloud.end(), piece.begin(), piece.end());
                               }};
-    left_out_ = FuseDepthMaps(depths, options_, target);
+    left_out_ = FuseDepthMaps(depths, voxel_, options_, target);
     return cloud;
   }
   PointCloud Fuse() { return Fuse(depths_); }
@@ -63,6 +63,7 @@ class FuseDepthMapsOfGround : public testing::Test {
   TemporaryFolder folder_;
   std::vector<DepthMap> maps_;
   std::vector<PosedDepth> depths_;
+  VoxelOptions voxel_;
   FusionOptions options_;
   std::vector<std::size_t> left_out_;
 };
@@ -127,7 +128,7 @@ TEST_F(FuseDepthMapsOfGround, MergesWhatIsSeenTwice) {
 TEST_F(FuseDepthMapsOfGround, HasFinerVoxelsOnSteepFaces) {
   Drive(4, {.noise_px = 0.05, .sigma_px = 0.05});
   options_.min_observations = 1;
-  options_.voxel_m = 0.04;  // larger than these small images' pixels
+  voxel_.voxel_m = 0.04;  // larger than these small images' pixels
   const auto level = static_cast<double>(Fuse().size());
   const Rigid3 wall_from_ground{
       Eigen::Quaterniond(Eigen::AngleAxisd(std::numbers::pi / 2.0, Eigen::Vector3d::UnitX())),

@@ -112,12 +112,12 @@ TEST_F(GatesTest, HealthyPartPassesThemAllOnceEach) {
 }
 
 TEST_F(GatesTest, SpreadIsJudgedAtItsLimitAndByTheWorstModel) {
-  placed_.models[0].scale.relative_spread = options_.baseline_spread;
+  placed_.models[0].scale.relative_spread = options_.mapping.baseline_spread;
   EXPECT_TRUE(Judge("baseline_spread").passed);
   placed_.models.resize(2);
-  placed_.models[1].scale.relative_spread = options_.baseline_spread + 1e-9;
+  placed_.models[1].scale.relative_spread = options_.mapping.baseline_spread + 1e-9;
   EXPECT_FALSE(Judge("baseline_spread").passed);
-  EXPECT_EQ(Judge("baseline_spread").value, options_.baseline_spread + 1e-9);
+  EXPECT_EQ(Judge("baseline_spread").value, options_.mapping.baseline_spread + 1e-9);
 }
 
 TEST_F(GatesTest, RejectedShareIsJudgedAtItsLimit) {
@@ -130,7 +130,7 @@ TEST_F(GatesTest, RejectedShareIsJudgedAtItsLimit) {
 }
 
 TEST_F(GatesTest, RegisteredShareIsALowerLimit) {
-  options_.registered = 11.0 / 12.0;
+  options_.mapping.registered = 11.0 / 12.0;
   placed_.world_from_left[3].reset();
   EXPECT_TRUE(Judge("registered").passed);
   placed_.world_from_left[4].reset();
@@ -156,8 +156,8 @@ TEST_F(GatesTest, PredictedShareCountsFramesThatNothingMeasured) {
 }
 
 TEST_F(GatesTest, ReprojectionAndOutliersAreJudgedAtTheirLimits) {
-  adjustment_.reprojection_px = options_.reprojection_px;
-  adjustment_.outlier_share = options_.outlier_share;
+  adjustment_.reprojection_px = options_.adjustment.reprojection_px;
+  adjustment_.outlier_share = options_.adjustment.outlier_share;
   EXPECT_TRUE(Judge("reprojection_px").passed);
   EXPECT_TRUE(Judge("outlier_share").passed);
   adjustment_.reprojection_px += 1e-9;
@@ -167,7 +167,7 @@ TEST_F(GatesTest, ReprojectionAndOutliersAreJudgedAtTheirLimits) {
 }
 
 TEST_F(GatesTest, EpipolarErrorIsTheMedianOfTheFrames) {
-  options_.epipolar_px = 0.25;
+  options_.calibration.epipolar_px = 0.25;
   epipolar_px_ = {0.0F, 0.25F, 9.0F};
   EXPECT_EQ(Judge("epipolar_px").value, 0.25);
   EXPECT_TRUE(Judge("epipolar_px").passed);
@@ -216,14 +216,14 @@ TEST_F(GatesTest, StepsFailOnlyBeyondBothLimits) {
   for (int i = 1; i <= 11; ++i) {
     Shift(i, {Eigen::Quaterniond::Identity(), {6.0 * kStepSigma_m, 0.0, 0.0}});
   }
-  options_.motion_agreement_sigmas = 2.0;
+  options_.adjustment.motion_agreement_sigmas = 2.0;
   EXPECT_GT(*Judge("motion_agreement_sigmas").value, 2.0);
   EXPECT_TRUE(Judge("motion_agreement_sigmas").passed);
   EXPECT_TRUE(Judge("motion_agreement_pct").passed);
-  options_.motion_agreement_pct = 1.0;
+  options_.adjustment.motion_agreement_pct = 1.0;
   EXPECT_FALSE(Judge("motion_agreement_sigmas").passed);
   EXPECT_FALSE(Judge("motion_agreement_pct").passed);
-  options_.motion_agreement_sigmas = 3.0;
+  options_.adjustment.motion_agreement_sigmas = 3.0;
   EXPECT_TRUE(Judge("motion_agreement_sigmas").passed);
   EXPECT_TRUE(Judge("motion_agreement_pct").passed);
 }
@@ -236,7 +236,7 @@ TEST_F(GatesTest, StepsAreJudgedOneByOne) {
     if (vague) odometry_[i].step_covariance *= 1e6;
     Shift(i, {Eigen::Quaterniond::Identity(), {vague ? 0.1 * kStep_m : 0.04 * kStep_m, 0.0, 0.0}});
   }
-  options_.motion_agreement_sigmas = 1.0;
+  options_.adjustment.motion_agreement_sigmas = 1.0;
   EXPECT_TRUE(Judge("motion_agreement_sigmas").passed);
   EXPECT_TRUE(Judge("motion_agreement_pct").passed);
 }
@@ -254,10 +254,10 @@ TEST_F(GatesTest, FramesThatWereNotMeasuredSayNothingOfMotion) {
 }
 
 TEST_F(GatesTest, RigTurnIsLimitedByTheDepthErrorItMakes) {
-  const double limit_rad = options_.max_depth_error_share * rig_.Baseline() / kDepth_m;
+  const double limit_rad = options_.calibration.max_depth_error_share * rig_.Baseline() / kDepth_m;
   EXPECT_NEAR(Judge("rig_consistency_deg").limit, limit_rad * 180.0 / std::numbers::pi, 1e-12);
   Correct({0.0, 0.999 * limit_rad, 0.0}, Eigen::Vector3d::Constant(1e-6), 0.0, 1e-4);
-  EXPECT_GT(*Judge("rig_consistency_sigmas").value, options_.consistency_sigmas);
+  EXPECT_GT(*Judge("rig_consistency_sigmas").value, options_.calibration.consistency_sigmas);
   EXPECT_TRUE(Judge("rig_consistency_deg").passed);
   EXPECT_TRUE(Judge("rig_consistency_sigmas").passed);
   Correct({0.0, 1.001 * limit_rad, 0.0}, Eigen::Vector3d::Constant(1e-6), 0.0, 1e-4);
@@ -266,7 +266,7 @@ TEST_F(GatesTest, RigTurnIsLimitedByTheDepthErrorItMakes) {
 }
 
 TEST_F(GatesTest, RigTurnWithinItsSigmasIsExcused) {
-  const double limit_rad = options_.max_depth_error_share * rig_.Baseline() / kDepth_m;
+  const double limit_rad = options_.calibration.max_depth_error_share * rig_.Baseline() / kDepth_m;
   Correct({0.0, 2.0 * limit_rad, 0.0}, Eigen::Vector3d::Constant(0.5 * limit_rad), 0.0, 1e-4);
   EXPECT_NEAR(*Judge("rig_consistency_sigmas").value, 4.0, 1e-9);
   EXPECT_TRUE(Judge("rig_consistency_deg").passed);
@@ -274,7 +274,7 @@ TEST_F(GatesTest, RigTurnWithinItsSigmasIsExcused) {
 }
 
 TEST_F(GatesTest, RigTurnThatIsHardlyKnownDoesNotApply) {
-  const double limit_rad = options_.max_depth_error_share * rig_.Baseline() / kDepth_m;
+  const double limit_rad = options_.calibration.max_depth_error_share * rig_.Baseline() / kDepth_m;
   Correct({0.0, 99.0 * limit_rad, 0.0}, {1e-6, 1.001 * limit_rad, 1e-6}, 0.0, 1e-4);
   EXPECT_FALSE(Judge("rig_consistency_deg").value);
   EXPECT_TRUE(Judge("rig_consistency_deg").passed);
@@ -356,10 +356,10 @@ TEST_F(GatesTest, WhatWasNotDoneDoesNotApplyAndPasses) {
 }
 
 TEST_F(GatesTest, DepthBiasIsJudgedBySize) {
-  EXPECT_TRUE(JudgeDepthBias(-options_.depth_bias_px, options_).passed);
-  EXPECT_FALSE(JudgeDepthBias(-options_.depth_bias_px - 1e-9, options_).passed);
-  EXPECT_FALSE(JudgeDepthBias(options_.depth_bias_px + 1e-9, options_).passed);
-  EXPECT_TRUE(JudgeDepthBias(std::nullopt, options_).passed);
+  EXPECT_TRUE(JudgeDepthBias(-options_.dense.depth_bias_px, options_.dense).passed);
+  EXPECT_FALSE(JudgeDepthBias(-options_.dense.depth_bias_px - 1e-9, options_.dense).passed);
+  EXPECT_FALSE(JudgeDepthBias(options_.dense.depth_bias_px + 1e-9, options_.dense).passed);
+  EXPECT_TRUE(JudgeDepthBias(std::nullopt, options_.dense).passed);
 }
 
 TEST(FailureReasonText, NamesWhatFailedWithValueLimitAndWhy) {

@@ -51,8 +51,8 @@ class MapKeyframesTest : public testing::Test {
     part_.odometry = OdometryOfKeyframes(part_.rover, poses_);
   }
 
-  MappingResult Map(const MappingOptions& options) {
-    graph_ = part_.Graph(options);
+  MappingResult Map(const MappingOptions& options, const KeyframeGraphOptions& graph = {}) {
+    graph_ = part_.Graph(graph);
     WriteDatabase(colmap_, MakeDatabaseContent(graph_, part_.correspondences, part_.rover.rig),
                   At("database.db"), At("log"));
     return MapKeyframes(colmap_, {graph_, part_.correspondences, part_.rover.rig, poses_}, Paths(),
@@ -142,7 +142,7 @@ TEST_F(MapKeyframesTest, TriangulatesOnTheOdometricPoses) {
 
 TEST_F(MapKeyframesTest, UnseededRunsWithStockOptions) {
   Make({.frames = 7, .step_m = 0.4, .relief_m = 0.3, .seed = 23});
-  const MappingResult result = Map({.method = "unseeded", .tracks_per_keyframe = 100});
+  const MappingResult result = Map({.method = "unseeded"}, {.tracks_per_keyframe = 100});
   EXPECT_EQ(result.method, "unseeded");
   ASSERT_FALSE(result.models.empty());
   ExpectFoldersLike(result);

@@ -15,7 +15,7 @@ TEST(MappingOptions, DefaultsHoldAndEveryMethodIsKnown) {
 
 TEST(MappingOptions, NonsenseIsRefused) {
   EXPECT_THROW(MappingOptions{.seed_keyframes = 1}.Validate(), UsageError);
-  EXPECT_THROW(MappingOptions{.tracks_per_keyframe = 0}.Validate(), UsageError);
+  EXPECT_THROW(KeyframeGraphOptions{.tracks_per_keyframe = 0}.Validate(), UsageError);
   EXPECT_THROW(MappingOptions{.min_model_keyframes = 1}.Validate(), UsageError);
   EXPECT_THROW(MappingOptions{.max_models = 0}.Validate(), UsageError);
   try {
@@ -35,7 +35,6 @@ TEST(MappingOptions, EveryFieldCanBeSet) {
   }
   EXPECT_EQ(options.method, "unseeded");
   EXPECT_EQ(options.seed_keyframes, 77);
-  EXPECT_EQ(options.tracks_per_keyframe, 77);
   EXPECT_EQ(options.min_model_keyframes, 77);
   EXPECT_EQ(options.max_models, 77);
 }

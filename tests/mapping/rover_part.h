@@ -13,7 +13,7 @@ struct RoverPart {
   Odometry odometry;
   Dataset dataset;
 
-  KeyframeGraph Graph(const MappingOptions& options = {}) const {
+  KeyframeGraph Graph(const KeyframeGraphOptions& options = {}) const {
     return BuildKeyframeGraph(correspondences, odometry, dataset, options);
   }
 };

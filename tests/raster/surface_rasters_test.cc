@@ -46,7 +46,7 @@ class Rasters : public testing::Test {
  protected:
   RasterSummary Write(const PointCloud& cloud, const Georeference& georeference = {}) {
     const auto ply = WriteCloud(folder_.Path() / "dense.ply", cloud);
-    return WriteSurfaceRasters(ply, folder_.Path(), options_, georeference);
+    return WriteSurfaceRasters({ply, cell_m_}, folder_.Path(), options_, georeference);
   }
   std::unique_ptr<GDALDataset> Height() { return Open(folder_.Path() / "height.tif"); }
   std::unique_ptr<GDALDataset> Ortho() { return Open(folder_.Path() / "ortho.tif"); }
@@ -57,7 +57,8 @@ class Rasters : public testing::Test {
   }
 
   TemporaryFolder folder_;
-  RasterOptions options_{.cell_m = kCell};
+  double cell_m_ = kCell;
+  RasterOptions options_;
 };
 
 TEST_F(Rasters, HoldTheHeightsNorthUp) {
@@ -141,9 +142,9 @@ TEST_F(Rasters, FillPinholesButNeitherBordersNorWideHoles) {
 }
 
 TEST_F(Rasters, FillPinholesOnTheBordersOfTiles) {
-  options_.cell_m = 0.004;  // 1000 x 500 cells: columns 511 and 512 lie in different tiles
-  const auto x_of_column = [&](int column) { return -1.0 + (column + 0.5) * options_.cell_m; };
-  const RasterSummary summary = Write(MapCloud(options_.cell_m, [&](double x_m, double y_m) {
+  cell_m_ = 0.004;  // 1000 x 500 cells: columns 511 and 512 lie in different tiles
+  const auto x_of_column = [&](int column) { return -1.0 + (column + 0.5) * cell_m_; };
+  const RasterSummary summary = Write(MapCloud(cell_m_, [&](double x_m, double y_m) {
     const bool row = std::abs(y_m - 0.502) < 0.001;
     return row &&
            (std::abs(x_m - x_of_column(511)) < 0.001 || std::abs(x_m - x_of_column(512)) < 0.001);
@@ -175,7 +176,8 @@ TEST_F(Rasters, HaveEqualBytesWheneverTheyAreWritten) {
   PointCloud shuffled = cloud;
   std::shuffle(shuffled.begin(), shuffled.end(), std::mt19937(7));
   const TemporaryFolder other;
-  WriteSurfaceRasters(WriteCloud(other.Path() / "elsewhere.ply", shuffled), other.Path(), options_);
+  WriteSurfaceRasters({WriteCloud(other.Path() / "elsewhere.ply", shuffled), kCell}, other.Path(),
+                      options_);
   EXPECT_TRUE(ReadTextFile(other.Path() / "height.tif") == height);
   EXPECT_TRUE(ReadTextFile(other.Path() / "ortho.tif") == ortho);
   EXPECT_THAT(height, testing::Not(HasSubstr(folder_.Path().filename().string())));
@@ -212,7 +214,9 @@ TEST_F(Rasters, PassOverPointsThatAreNowhere) {
 TEST_F(Rasters, RefuseBadCloudsByNameAndLeaveTheOldFiles) {
   const auto ply = folder_.Path() / "dense.ply";
   const auto complaint = [&] {
-    return MessageOf<DataError>([&] { WriteSurfaceRasters(ply, folder_.Path(), options_); });
+    return MessageOf<DataError>([&] {
+      WriteSurfaceRasters({ply, kCell}, folder_.Path(), options_);
+    });
   };
   WriteTestFile(folder_.Path() / "height.tif", "old");
   EXPECT_THAT(complaint(), HasSubstr("dense.ply: cannot read"));
@@ -234,11 +238,10 @@ TEST_F(Rasters, LeaveNothingBehindWhenTheyCannotBeWritten) {
 }
 
 TEST_F(Rasters, RefuseOptionsOutOfRange) {
-  options_.cell_m = 0.0;
+  cell_m_ = 0.0;
   EXPECT_THROW(Write(MapCloud(kCell)), UsageError);
+  cell_m_ = kCell;
   options_ = {.max_hole_cells = -1};
-  EXPECT_THROW(Write(MapCloud(kCell)), UsageError);
-  options_ = {.picture_px = 10};
   EXPECT_THROW(Write(MapCloud(kCell)), UsageError);
 }
 

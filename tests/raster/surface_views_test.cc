@@ -79,15 +79,15 @@ int BarPx(const cv::Mat3b& picture) {
 class Views : public testing::Test {
  protected:
   void Write(const PointCloud& cloud, const Trajectory& trajectory) {
-    WriteSurfaceViews(WriteCloud(folder_.Path() / "dense.ply", cloud), trajectory, folder_.Path(),
-                      options_);
+    WriteSurfaceViews({WriteCloud(folder_.Path() / "dense.ply", cloud), kCell}, trajectory,
+                      folder_.Path(), options_);
   }
   cv::Mat3b Picture(const std::string& name) {
     return cv::imread((folder_.Path() / name).string(), cv::IMREAD_COLOR);
   }
 
   TemporaryFolder folder_;
-  RasterOptions options_{.cell_m = kCell, .picture_px = 1000};
+  PictureOptions options_{.picture_px = 1000};
 };
 
 TEST(ScaleBar, IsTheLongestRoundLengthThatFits) {
@@ -243,10 +243,16 @@ TEST_F(Views, ServeACloudOfOnePointWithoutPath) {
   EXPECT_GT(Find(Picture("view_top.png"), Bluish).count, 10);
 }
 
+TEST_F(Views, RefuseOptionsOutOfRange) {
+  options_ = {.picture_px = 10};
+  EXPECT_THROW(Write({MapPoint(3.0, 4.0, 5.0)}, {}), UsageError);
+}
+
 TEST_F(Views, RefuseBadCloudsByName) {
   const auto complaint = [&] {
     return MessageOf<DataError>([&] {
-      WriteSurfaceViews(folder_.Path() / "dense.ply", PathAlongX(), folder_.Path(), options_);
+      WriteSurfaceViews({folder_.Path() / "dense.ply", kCell}, PathAlongX(), folder_.Path(),
+                        options_);
     });
   };
   EXPECT_THAT(complaint(), HasSubstr("dense.ply: cannot read"));

@@ -93,7 +93,7 @@ TEST(PartOptionsText, ReadsBackWithEveryOptionChanged) {
 
 TEST_F(PartOptionsFile, ChangesOnlyWhatItNames) {
   PartOptions expected;
-  expected.fusion.voxel_m = 0.025;
+  expected.voxel.voxel_m = 0.025;
   expected.masks.sky = false;
   EXPECT_EQ(WritePartOptions(Load("fusion: {voxel_m: 0.025}\nmasks:\n  sky: false\n")),
             WritePartOptions(expected));
@@ -107,7 +107,7 @@ TEST_F(PartOptionsFile, MayBeEmptyOrHaveEmptySections) {
 TEST_F(PartOptionsFile, YieldsToAssignments) {
   const auto options =
       Load("fusion: {voxel_m: 0.025, neighbours: 6}\n", {"fusion.voxel_m=0.05", "dense.method=bm"});
-  EXPECT_EQ(options.fusion.voxel_m, 0.05);
+  EXPECT_EQ(options.voxel.voxel_m, 0.05);
   EXPECT_EQ(options.fusion.neighbours, 6);
   EXPECT_EQ(options.dense.method, "bm");
 }
