@@ -3,47 +3,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <fstream>
+#include <cstdint>
+#include <limits>
 #include <opencv2/imgcodecs.hpp>
-#include <optional>
-#include <string_view>
+
+#include "imaging/image_header.h"
 
 namespace rigmap {
 namespace {
-
-using std::string_view_literals::operator""sv;
-
-constexpr std::string_view kPngStart = "\x89PNG\r\n\x1a\n"sv;
-constexpr std::string_view kPngEnd = "\0\0\0\0IEND\xae\x42\x60\x82"sv;
-constexpr std::string_view kJpegStart = "\xff\xd8\xff"sv;
-constexpr std::string_view kJpegEnd = "\xff\xd9"sv;
-// Cameras pad behind the end marker, so it need not stand in the very last bytes.
-constexpr std::streamoff kTailBytes = 1024;
-
-std::string ReadBytes(std::ifstream& stream, std::streamoff begin, std::streamoff count) {
-  std::string bytes(static_cast<std::size_t>(count), '\0');
-  stream.clear();
-  stream.seekg(begin);
-  stream.read(bytes.data(), count);
-  bytes.resize(static_cast<std::size_t>(stream.gcount()));
-  return bytes;
-}
-
-// Whether a PNG or JPEG has its end marker; nothing for any other file. Decoders fill what is cut
-// off with grey, without a word.
-std::optional<bool> HasEnd(const std::filesystem::path& path) {
-  std::error_code code;
-  const auto size = std::filesystem::file_size(path, code);
-  std::ifstream stream(path, std::ios::binary);
-  if (code || !stream) return std::nullopt;
-  const auto length = static_cast<std::streamoff>(size);
-  const std::string head = ReadBytes(stream, 0, std::min<std::streamoff>(length, 8));
-  const bool png = head.starts_with(kPngStart);
-  if (!png && !head.starts_with(kJpegStart)) return std::nullopt;
-  const auto tail_bytes = std::min(length, kTailBytes);
-  const std::string tail = ReadBytes(stream, length - tail_bytes, tail_bytes);
-  return tail.find(png ? kPngEnd : kJpegEnd) != std::string::npos;
-}
 
 // Empty if the file is no image.
 cv::Mat TryDecode(const std::string& path, int flags) {
@@ -54,23 +21,29 @@ cv::Mat TryDecode(const std::string& path, int flags) {
   }
 }
 
-cv::Mat Decode(const std::string& path, int flags) {
+// Of a file that is whole as far as its header tells.
+cv::Size SizeInHeader(const std::string& path) {
   if (!std::filesystem::is_regular_file(path)) {
     throw DataError(fmt::format("{}: expected an image file, found none", path));
   }
-  if (!HasEnd(path).value_or(true)) {
+  const auto header = ReadImageHeader(path);
+  if (!header) {
+    throw UnreadableImage(fmt::format(
+        "{}: expected an image, but it cannot be decoded: no header of PNG, JPEG, PGM, PPM or TIFF",
+        path));
+  }
+  if (!header->is_whole) {
     throw UnreadableImage(fmt::format("{}: expected an image, found one that is cut off", path));
   }
-  const cv::Mat image =
-      TryDecode(path, flags | cv::IMREAD_ANYDEPTH | cv::IMREAD_IGNORE_ORIENTATION);
-  if (image.empty()) {
-    throw UnreadableImage(fmt::format("{}: expected an image, but it cannot be decoded", path));
-  }
-  if (image.depth() != CV_8U && image.depth() != CV_16U) {
-    throw DataError(fmt::format("{}: expected an image of 8 or 16 bit, found {}", path,
-                                cv::typeToString(image.type())));
-  }
-  return image;
+  constexpr std::int64_t kMaxSide = std::numeric_limits<int>::max();
+  return {static_cast<int>(std::min(header->width, kMaxSide)),
+          static_cast<int>(std::min(header->height, kMaxSide))};
+}
+
+void RequireSize(const std::string& path, const Camera& camera, const cv::Size& found) {
+  if (found == cv::Size(camera.width, camera.height)) return;
+  throw DataError(fmt::format("{}: expected an image of {} x {} pixels, found {} x {}", path,
+                              camera.width, camera.height, found.width, found.height));
 }
 
 cv::Mat ToEightBit(const cv::Mat& image) {
@@ -83,22 +56,29 @@ cv::Mat ToEightBit(const cv::Mat& image) {
 }
 
 cv::Mat ReadEightBit(const std::string& path, const Camera& camera, int flags) {
-  const cv::Mat image = Decode(path, flags);
-  if (image.cols != camera.width || image.rows != camera.height) {
-    throw DataError(fmt::format("{}: expected an image of {} x {} pixels, found {} x {}", path,
-                                camera.width, camera.height, image.cols, image.rows));
+  // Before decoding: a header of thirty bytes may claim gigabytes.
+  RequireSize(path, camera, SizeInHeader(path));
+  const cv::Mat image =
+      TryDecode(path, flags | cv::IMREAD_ANYDEPTH | cv::IMREAD_IGNORE_ORIENTATION);
+  if (image.empty()) {
+    throw UnreadableImage(fmt::format("{}: expected an image, but it cannot be decoded", path));
   }
+  if (image.depth() != CV_8U && image.depth() != CV_16U) {
+    throw DataError(fmt::format("{}: expected an image of 8 or 16 bit, found {}", path,
+                                cv::typeToString(image.type())));
+  }
+  RequireSize(path, camera, image.size());
   return ToEightBit(image);
 }
 
 }  // namespace
 
 bool IsWholeImage(const std::filesystem::path& path) {
-  const auto has_end = HasEnd(path);
-  return has_end ? *has_end : !TryDecode(path.string(), cv::IMREAD_UNCHANGED).empty();
+  const auto header = ReadImageHeader(path);
+  return header && header->is_whole;
 }
 
-cv::Size ReadSize(const std::string& path) { return Decode(path, cv::IMREAD_GRAYSCALE).size(); }
+cv::Size ReadSize(const std::string& path) { return SizeInHeader(path); }
 
 cv::Mat ReadGrey(const std::string& path, const Camera& camera) {
   return ReadEightBit(path, camera, cv::IMREAD_GRAYSCALE);

@@ -17,8 +17,8 @@ class UnreadableImage : public DataError {
   using DataError::DataError;
 };
 
-// True if the file is an image with its end in place. PNG and JPEG are judged by their first and
-// last bytes (microseconds; damage in between is not seen), other formats are decoded.
+// True if the file is an image with its end in place, judged by its header and its length or end
+// marker (microseconds; damage in between is not seen).
 bool IsWholeImage(const std::filesystem::path& path);
 
 // All read PNG, JPEG, PGM, PPM and TIFF of 8 or 16 bit, as the pixels lie in the file: orientation
@@ -27,9 +27,10 @@ bool IsWholeImage(const std::filesystem::path& path);
 // 4096 is taken as 12 bit and scaled by 1/16. An alpha channel is dropped.
 //
 // Throw UnreadableImage when there is a file that cannot be decoded or lacks its end, DataError
-// when there is none or it is not of the camera's size. Thread-safe.
+// when there is none or it is not of the camera's size. The size is taken from the header: a file
+// that claims another takes no memory. Thread-safe.
 
-// Width and height; decodes the whole file.
+// Width and height, from the header.
 cv::Size ReadSize(const std::string& path);
 
 // CV_8UC1; colour is converted.

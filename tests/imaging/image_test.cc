@@ -3,12 +3,18 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <chrono>
 #include <cmath>
+#include <cstdint>
 #include <fstream>
 #include <opencv2/imgcodecs.hpp>
+#include <string>
+#include <thread>
 #include <vector>
 
 #include "core/error.h"
+#include "core/memory_peak.h"
 #include "tests/support/message_of.h"
 #include "tests/support/seeded_random.h"
 #include "tests/support/temporary_folder.h"
@@ -140,6 +146,46 @@ TEST(ReadGrey, RefusesWhatIsCutOff) {
     WriteRandomImage(path);
     std::filesystem::resize_file(path, std::filesystem::file_size(path) * 2 / 3);
     EXPECT_THROW(ReadGrey(path, CameraOf(30, 20)), UnreadableImage) << name;
+  }
+}
+
+// A PNG of one byte of pixels, whose header claims `side` x `side` of them.
+std::string ClaimingPng(std::uint32_t side) {
+  const std::string chunk_head = "IHDR", flags("\x08\x00\x00\x00\x00", 5);
+  std::string size;
+  for (int shift = 24; shift >= 0; shift -= 8) size += static_cast<char>((side >> shift) & 0xFF);
+  const std::string ihdr = chunk_head + size + size + flags;
+  const auto checksum = [](const std::string& bytes) {
+    std::uint32_t crc = 0xFFFFFFFFU;
+    for (const char byte : bytes) {
+      crc ^= static_cast<unsigned char>(byte);
+      for (int bit = 0; bit < 8; ++bit) crc = (crc >> 1U) ^ ((crc & 1U) ? 0xEDB88320U : 0U);
+    }
+    crc = ~crc;
+    std::string big_endian;
+    for (int shift = 24; shift >= 0; shift -= 8) big_endian += static_cast<char>(crc >> shift);
+    return big_endian;
+  };
+  const std::string idat("IDAT\x78\x9c\x63\x00\x00\x00\x01\x00\x01", 13);
+  return std::string("\x89PNG\r\n\x1a\n\0\0\0\x0d", 12) + ihdr + checksum(ihdr) +
+         std::string("\0\0\0\x09", 4) + idat + checksum(idat) +
+         std::string("\0\0\0\0IEND\xae\x42\x60\x82", 12);
+}
+
+// 30,000 x 30,000 is within OpenCV's own limit: it asks for 900 MB before it sees that there are no
+// pixels.
+TEST(ReadGrey, RefusesAClaimOfAnotherSizeWithoutTheMemory) {
+  const TemporaryFolder folder;
+  for (const std::uint32_t side : {30'000U, 60'000U, 0x7FFFFFFFU, 0xFFFFFFFFU}) {
+    const std::string path = WriteTestFile(folder.Path() / "a.png", ClaimingPng(side));
+    MemoryPeak peak;
+    const double before_mb = peak.Megabytes();
+    EXPECT_THAT(ReadingFails(path),
+                AllOf(HasSubstr(path), HasSubstr("expected an image of 30 x 20"),
+                      HasSubstr("found " + std::to_string(std::min(side, 0x7FFFFFFFU)))));
+    EXPECT_TRUE(IsWholeImage(path));
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    EXPECT_LT(peak.Megabytes(), before_mb + 50.0) << side;
   }
 }
 
