@@ -20,34 +20,63 @@ std::string Where(const std::string& name, const YAML::Mark& mark) {
 
 // An alias may lead back to the node that holds it: what is nested deeper is refused.
 constexpr int kMaxDepth = 20;
+// Aliases of aliases make billions of values out of a few hundred bytes. The largest file that is
+// ours holds some hundred.
+constexpr std::size_t kMaxNodes = 10'000;
 
-YamlNode Convert(const YAML::Node& node, const std::string& name, int depth = 0) {
-  if (depth > kMaxDepth) {
-    throw DataError(fmt::format("{}: nested deeper than {}", Where(name, node.Mark()), kMaxDepth));
+// Copies a document; a value counts as often as aliases repeat it.
+class Conversion {
+ public:
+  explicit Conversion(const std::string& name) : name_(name) {}
+
+  YamlNode Convert(const YAML::Node& node, int depth = 0) {
+    Count(node, depth);
+    YamlNode result;
+    result.where = Where(name_, node.Mark());
+    if (node.IsScalar()) {
+      result.kind = YamlNode::Kind::kScalar;
+      result.scalar = node.Scalar();
+    } else if (node.IsSequence()) {
+      result.kind = YamlNode::Kind::kSequence;
+      for (const auto& item : node) result.items.push_back(Convert(item, depth + 1));
+    } else if (node.IsMap()) {
+      result.kind = YamlNode::Kind::kMap;
+      result.entries = Entries(node, depth);
+    }
+    return result;
   }
-  YamlNode result;
-  result.where = Where(name, node.Mark());
-  if (node.IsScalar()) {
-    result.kind = YamlNode::Kind::kScalar;
-    result.scalar = node.Scalar();
-  } else if (node.IsSequence()) {
-    result.kind = YamlNode::Kind::kSequence;
-    for (const auto& item : node) result.items.push_back(Convert(item, name, depth + 1));
-  } else if (node.IsMap()) {
-    result.kind = YamlNode::Kind::kMap;
+
+ private:
+  void Count(const YAML::Node& node, int depth) {
+    if (depth > kMaxDepth) {
+      throw DataError(
+          fmt::format("{}: nested deeper than {}", Where(name_, node.Mark()), kMaxDepth));
+    }
+    if (++count_ > kMaxNodes) {
+      throw DataError(fmt::format(
+          "{}: expected at most {} values, those that aliases repeat counted each time, found more",
+          Where(name_, node.Mark()), kMaxNodes));
+    }
+  }
+
+  std::vector<std::pair<std::string, YamlNode>> Entries(const YAML::Node& map, int depth) {
+    std::vector<std::pair<std::string, YamlNode>> entries;
     std::set<std::string> seen;
-    for (const auto& entry : node) {
+    for (const auto& entry : map) {
       const auto key = entry.first.Scalar();
-      const auto where = Where(name, entry.first.Mark());
+      const auto where = Where(name_, entry.first.Mark());
       if (!seen.insert(key).second) {
         throw DataError(fmt::format("{}: key '{}' stands twice", where, key));
       }
-      result.entries.emplace_back(key, Convert(entry.second, name, depth + 1));
-      result.entries.back().second.where = where;
+      entries.emplace_back(key, Convert(entry.second, depth + 1));
+      entries.back().second.where = where;
     }
+    return entries;
   }
-  return result;
-}
+
+  const std::string& name_;
+  std::size_t count_ = 0;
+};
 
 std::string Describe(const YamlNode& node) {
   switch (node.kind) {
@@ -143,7 +172,7 @@ YamlNode ReadYaml(const std::filesystem::path& path) {
 
 YamlNode ParseYaml(const std::string& text, const std::string& name) {
   try {
-    return Convert(YAML::Load(text), name);
+    return Conversion(name).Convert(YAML::Load(text));
   } catch (const YAML::Exception& error) {
     throw DataError(fmt::format("{}: not valid YAML: {}", Where(name, error.mark), error.msg));
   }

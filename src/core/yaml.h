@@ -34,7 +34,8 @@ struct YamlNode {
   std::vector<double> AsDoubles(std::size_t expected_count) const;
 };
 
-// Throws DataError when the file is missing, is not YAML or repeats a key.
+// Throws DataError when the file is missing, is not YAML, repeats a key, is nested deeper than 20
+// or holds more than 10,000 values, those that aliases repeat counted each time.
 YamlNode ReadYaml(const std::filesystem::path& path);
 // `name` stands for the file in messages.
 YamlNode ParseYaml(const std::string& text, const std::string& name);

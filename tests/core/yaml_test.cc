@@ -3,6 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <chrono>
+#include <string>
+
 #include "core/error.h"
 #include "tests/support/message_of.h"
 #include "tests/support/temporary_folder.h"
@@ -10,6 +13,7 @@
 namespace rigmap {
 namespace {
 
+using testing::AllOf;
 using testing::HasSubstr;
 using testing::StartsWith;
 
@@ -78,6 +82,27 @@ TEST(YamlTest, RefusesBrokenYamlWithItsLine) {
 TEST(YamlTest, RefusesAnAliasThatHoldsItself) {
   EXPECT_THAT(MessageOf<DataError>([] { ParseYaml("a: &x [*x]\n", "f"); }),
               HasSubstr("nested deeper"));
+}
+
+// Ten lists of ten aliases each: ten billion values, which took all memory.
+TEST(YamlTest, RefusesAliasesThatMultiplyWithinASecond) {
+  std::string text = "l0: &l0 [x, x, x, x, x, x, x, x, x, x]\n";
+  for (int i = 1; i < 10; ++i) {
+    text += "l" + std::to_string(i) + ": &l" + std::to_string(i) + " [";
+    for (int k = 0; k < 10; ++k) text += (k ? ", *l" : "*l") + std::to_string(i - 1);
+    text += "]\n";
+  }
+  const auto start = std::chrono::steady_clock::now();
+  EXPECT_THAT(MessageOf<DataError>([&] { ParseYaml(text, "f.yaml"); }),
+              AllOf(StartsWith("f.yaml:"), HasSubstr("expected at most 10000 values"),
+                    HasSubstr("found more")));
+  EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(1));
+}
+
+TEST(YamlTest, AliasesOfAnHonestFileAreRead) {
+  const YamlNode root = ParseYaml("a: &a [1, 2]\nb: *a\nc: [*a, *a]\n", "f");
+  EXPECT_THAT(root.At("b").AsDoubles(2), testing::ElementsAre(1.0, 2.0));
+  EXPECT_THAT(root.At("c").items.at(1).AsDoubles(2), testing::ElementsAre(1.0, 2.0));
 }
 
 TEST(YamlTest, MissingFileIsNamed) {
