@@ -16,6 +16,7 @@
 #include "core/freed_memory.h"
 #include "core/progress.h"
 #include "workflows/evaluate_part.h"
+#include "workflows/print_options.h"
 #include "workflows/reconstruct_part.h"
 #include "workflows/stage_runner.h"
 
@@ -64,7 +65,7 @@ void AddPart(CLI::App& app, PartArguments& a) {
   part->add_option("--format", a.format, "katwijk or stereo, instead of what is recognised");
   part->add_option("--out", a.out, "Folder for the results")->required();
   part->add_option("--frames", a.frames, "FIRST:END of the paired frames, END excluded");
-  part->add_option("--config", a.config, "YAML file of options (config/default.yaml lists all)");
+  part->add_option("--config", a.config, "YAML file of options (rigmap options lists all)");
   part->add_option("--set", a.assignments, "stage.option=value, over --config");
   part->add_option("--until", a.until, "Stop after this stage");
   part->add_option("--from", a.from, "Do this stage and all after it anew");
@@ -73,6 +74,7 @@ void AddPart(CLI::App& app, PartArguments& a) {
   part->add_option("--memory", a.memory_mb, "Megabytes that dense matching may use");
   part->add_option("--truth", a.truth, "TUM file, or folder with trajectory.tum");
   part->add_flag("--quiet", a.quiet, "No progress, errors only");
+  part->footer(PartOptionsHelp);
 }
 
 void RequireStage(const char* option, const std::string& name) {
@@ -149,6 +151,9 @@ int Main(int argc, char** argv) {
   evaluation->add_option("out", evaluate.out, "Folder with the results")->required();
   evaluation->add_option("--truth", truth, "TUM file, or folder with trajectory.tum");
   evaluation->add_flag("--json", evaluate.json, "Print one line of JSON instead of a table");
+  std::string format = "yaml";
+  CLI::App* options = app.add_subcommand("options", "Print every option of part with its default");
+  options->add_option("--format", format, "yaml or markdown");
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
@@ -161,6 +166,10 @@ int Main(int argc, char** argv) {
   if (evaluation->parsed()) {
     evaluate.truth = IfGiven<fs::path>(truth);
     fmt::print("{}", EvaluatePart(evaluate));
+    return 0;
+  }
+  if (options->parsed()) {
+    fmt::print("{}", PrintOptions(format));
     return 0;
   }
   return RunPart(part, std::move(command));

@@ -22,14 +22,14 @@ Gates Judge(const MappingResult& mapped, const GraphWithPoses& input, const Part
 
 MappingResult MapPart(const ColmapInstallation& colmap, const GraphWithPoses& input,
                       const MappingPaths& paths, const PartOptions& options, int threads) {
-  const auto map = [&](const std::string& method, const fs::path& models) {
+  const auto map = [&](MappingMethod method, const fs::path& models) {
     MappingOptions how = options.mapping;
     how.method = method;
     MappingPaths where = paths;
     where.models = models;
     MappingResult mapped = MapKeyframes(colmap, input, where, how, threads);
     // Poses of the odometry agree with the rig whatever the images say: let these speak.
-    if (mapped.method == "triangulate") {
+    if (mapped.method == MappingMethod::kTriangulate) {
       for (SparseModel& model : mapped.models) {
         model = AdjustFreely(model, input.rig, options.matching.verification.min_inliers, {});
       }
@@ -38,11 +38,11 @@ MappingResult MapPart(const ColmapInstallation& colmap, const GraphWithPoses& in
   };
   MappingResult first = map(options.mapping.method, paths.models);
   const Gates gates = Judge(first, input, options);
-  if (first.method != "seeded" || AllPassed(gates)) return first;
+  if (first.method != MappingMethod::kSeeded || AllPassed(gates)) return first;
   const std::string reason = FailureReason(gates);
   spdlog::warn("{}; triangulating the odometric poses instead", reason);
   const fs::path aside = paths.scratch / "other-models";
-  MappingResult second = map("triangulate", aside);
+  MappingResult second = map(MappingMethod::kTriangulate, aside);
   if (!AllPassed(Judge(second, input, options))) {
     first.remarks.push_back(
         fmt::format("{}; triangulating the odometric poses instead did not mend it", reason));

@@ -9,17 +9,17 @@
 namespace rigmap {
 namespace {
 
-using Sections = std::vector<std::pair<std::string, OptionFields>>;
+using Sections = std::vector<OptionSection>;
 
 const OptionFields* FindSection(const Sections& sections, const std::string& name) {
   const auto it = std::find_if(sections.begin(), sections.end(),
-                               [&](const auto& section) { return section.first == name; });
-  return it == sections.end() ? nullptr : &it->second;
+                               [&](const OptionSection& section) { return section.name == name; });
+  return it == sections.end() ? nullptr : &it->fields;
 }
 
 std::string Names(const Sections& sections) {
   std::vector<std::string> names;
-  for (const auto& section : sections) names.push_back(section.first);
+  for (const auto& section : sections) names.push_back(section.name);
   return fmt::format("{}", fmt::join(names, ", "));
 }
 
@@ -57,44 +57,46 @@ void Assign(const std::string& assignment, const Sections& sections) {
 
 }  // namespace
 
-std::vector<std::pair<std::string, OptionFields>> PartOptions::Sections() {
-  return {{"masks", masks.Fields()},
-          {"features", features.Fields()},
-          {"odometry", odometry.Fields()},
-          {"matching", matching.Fields()},
-          {"colmap", colmap.Fields()},
-          {"mapping", JoinFields({mapping.Fields(), keyframe_graph.Fields()})},
-          {"scale", scale.Fields()},
-          {"adjustment", adjustment.Fields()},
-          {"dense", dense.Fields()},
-          {"fusion", JoinFields({voxel.Fields(), fusion.Fields()})},
-          {"raster", JoinFields({raster.Fields(), pictures.Fields()})},
-          {"evaluation", evaluation.Fields()},
-          {"georeference", georeference.Fields()},
-          {"rocks", JoinFields({rocks.Fields(), rock_survey.Fields()})},
-          {"gates", gates.Fields()}};
+std::vector<OptionSection> PartOptions::Sections() {
+  return {
+      {"masks",
+       "Which pixels are used at all. Beside these, the rig file may name a mask and a calibrated "
+       "region.",
+       masks.Fields()},
+      {"features", "Keypoints of the left images and their partners in the right ones.",
+       features.Fields()},
+      {"odometry", "Motion from frame to keyframe.", odometry.Fields()},
+      {"matching", "Verified correspondences between keyframes.", matching.Fields()},
+      {"colmap", "The program COLMAP, as the stages database and mapping run it.", colmap.Fields()},
+      {"mapping", "COLMAP's incremental mapping, and what the stage database gives it.",
+       JoinFields({mapping.Fields(), keyframe_graph.Fields()})},
+      {"scale", "Metres, from the distances between left and right cameras.", scale.Fields()},
+      {"adjustment", "Bundle adjustment with one pose per frame and the rig held.",
+       adjustment.Fields()},
+      {"dense", "Depth of each keyframe.", dense.Fields()},
+      {"fusion", "Depth maps to one surface.", JoinFields({voxel.Fields(), fusion.Fields()})},
+      {"raster", "Height map, ortho-image and pictures of the surface. Cells are fusion's voxels.",
+       JoinFields({raster.Fields(), pictures.Fields()})},
+      {"evaluation", "Comparison with a truth, where there is one.", evaluation.Fields()},
+      {"georeference", "The trajectory laid on satellite fixes, where there are any.",
+       georeference.Fields()},
+      {"rocks", "Rocks found in the map, and surveyed ones.",
+       JoinFields({rocks.Fields(), rock_survey.Fields()})},
+      {"gates",
+       "Limits beyond which a result is not to be trusted (exit code 3): most that a value may be, "
+       "but for registered. A gate that does not apply passes. No gate sees an error in the length "
+       "of the baseline.",
+       gates.Fields()}};
 }
 
 void PartOptions::Validate() const {
-  masks.Validate();
-  features.Validate();
-  odometry.Validate();
-  matching.Validate();
-  colmap.Validate();
-  mapping.Validate();
-  keyframe_graph.Validate();
-  scale.Validate();
-  adjustment.Validate();
-  dense.Validate();
-  voxel.Validate();
-  fusion.Validate();
-  raster.Validate();
-  pictures.Validate();
-  evaluation.Validate();
-  georeference.Validate();
-  rocks.Validate();
-  rock_survey.Validate();
-  gates.Validate();
+  PartOptions copy = *this;
+  for (const OptionSection& section : copy.Sections()) {
+    RequireInRange(section.name, section.fields);
+  }
+  matching.RequireRelations();
+  dense.RequireRelations();
+  fusion.RequireRelations();
 }
 
 PartOptions LoadPartOptions(const std::optional<std::filesystem::path>& config,
@@ -109,8 +111,8 @@ PartOptions LoadPartOptions(const std::optional<std::filesystem::path>& config,
 
 std::string WritePartOptions(PartOptions options) {
   std::string text;
-  for (const auto& [name, fields] : options.Sections()) {
-    text += name + ":\n" + WriteOptions(fields);
+  for (const OptionSection& section : options.Sections()) {
+    text += section.name + ":\n" + WriteOptions(section.fields);
   }
   return text;
 }

@@ -4,7 +4,6 @@
 #include <filesystem>
 #include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "adjustment/adjustment_options.h"
@@ -47,8 +46,8 @@ struct PartOptions {
   RockSurveyOptions rock_survey;  // in the section of rocks
   GateOptions gates;
 
-  // Section names with their fields, in the order of the file.
-  std::vector<std::pair<std::string, OptionFields>> Sections();
+  // In the order of the file.
+  std::vector<OptionSection> Sections();
   void Validate() const;  // throws UsageError
 };
 

@@ -174,7 +174,7 @@ MappingResult PartStages::Map(const Dataset& dataset, const Odometry& odometry,
   const auto make = [&] {
     if (graph.keyframes.size() < kMinMappedKeyframes) {
       fs::create_directories(layout.Models());
-      return MappingResult{{}, "none", {"fewer than three keyframes: nothing to map"}};
+      return MappingResult{{}, std::nullopt, {"fewer than three keyframes: nothing to map"}};
     }
     const GraphWithPoses input{graph, matches, dataset.rig, KeyframePoses(odometry, graph)};
     const MappingPaths paths{layout.Database(), layout.Images(), layout.Models(), layout.Scratch(),

@@ -110,7 +110,7 @@ void PartSummary::SetRevisits(const std::vector<Revisit>& revisits) {
 }
 
 void PartSummary::SetMapping(const MappingResult& mapped) {
-  method_ = mapped.method;
+  method_ = mapped.method ? NameOf(*mapped.method) : "none";
   AddRemarks(mapped.remarks);
 }
 

@@ -1,55 +1,67 @@
 #include "adjustment/adjustment_options.h"
 
-#include <fmt/ranges.h>
-
-#include <algorithm>
-#include <array>
-#include <string_view>
-
-#include "core/error.h"
-
 namespace rigmap {
+namespace {
+
+constexpr const char* kPrior =
+    " Sigma of the prior that draws the rig back to it, as good calibrations with a board scatter "
+    "when they are repeated. A correction beyond three of them fails the gate "
+    "rig_refinement_sigmas.";
+
+}  // namespace
 
 OptionFields AdjustmentOptions::Fields() {
-  return {{"refine_rig", &refine_rig},
-          {"refine_sigmas", &refine_sigmas},
-          {"rig_prior_deg", &rig_prior_deg},
-          {"focal_prior_pct", &focal_prior_pct},
-          {"principal_point_prior_px", &principal_point_prior_px},
-          {"distortion_prior", &distortion_prior},
-          {"huber_sigmas", &huber_sigmas},
-          {"outlier_sigmas", &outlier_sigmas},
-          {"min_noise_px", &min_noise_px},
-          {"shared_noise", &shared_noise},
-          {"max_depth_baselines", &max_depth_baselines},
-          {"rounds", &rounds},
-          {"max_iterations", &max_iterations},
-          {"function_tolerance", &function_tolerance}};
-}
-
-void AdjustmentOptions::Validate() const {
-  constexpr std::array<std::string_view, 5> kRefined{"none", "rotation", "rotation+focal", "all",
-                                                     "auto"};
-  if (std::find(kRefined.begin(), kRefined.end(), refine_rig) == kRefined.end()) {
-    throw UsageError(fmt::format("option adjustment.refine_rig: expected one of {}, found '{}'",
-                                 fmt::join(kRefined, ", "), refine_rig));
-  }
-  const auto positive = [](const char* name, double value) {
-    RequireOption(value > 0.0, std::string("adjustment.") + name, "more than 0", value);
+  const OptionFields rig = {
+      {"refine_rig",
+       ChoiceOf(&refine_rig),
+       "",
+       {},
+       "none: the calibration is kept. rotation: the right eye's rotation is corrected. "
+       "rotation+focal: also one factor on all focal lengths. all: also principal points, k1 and a "
+       "factor between the eyes' focal lengths. auto: all, but only where the images contradict a "
+       "parameter by more than refine_sigmas and by enough to matter, a twentieth of its prior. "
+       "The baseline's length never moves: it is where the metres come from. A corrected rig is "
+       "written to rig_refined.yaml and can serve as --rig."},
+      {"refine_sigmas", &refine_sigmas, "sigmas", MoreThan(0.0),
+       "How many of its sigmas, grown by shared_noise, a parameter must be off before refine_rig "
+       "auto corrects the rig. With shared_noise 2 these are eight of the sigmas that residuals "
+       "alone give."},
+      {"rig_prior_deg", &rig_prior_deg, "degrees", MoreThan(0.0),
+       std::string("How far the rotation of a calibration may be off.") + kPrior},
+      {"focal_prior_pct", &focal_prior_pct, "per cent", MoreThan(0.0),
+       "The same of focal lengths."},
+      {"principal_point_prior_px", &principal_point_prior_px, "px", MoreThan(0.0),
+       "The same of principal points."},
+      {"distortion_prior", &distortion_prior, "", MoreThan(0.0), "The same of k1."},
   };
-  positive("refine_sigmas", refine_sigmas);
-  positive("rig_prior_deg", rig_prior_deg);
-  positive("focal_prior_pct", focal_prior_pct);
-  positive("principal_point_prior_px", principal_point_prior_px);
-  positive("distortion_prior", distortion_prior);
-  positive("huber_sigmas", huber_sigmas);
-  positive("outlier_sigmas", outlier_sigmas);
-  positive("min_noise_px", min_noise_px);
-  RequireOption(shared_noise >= 1.0, "adjustment.shared_noise", "1 or more", shared_noise);
-  positive("max_depth_baselines", max_depth_baselines);
-  positive("function_tolerance", function_tolerance);
-  RequireOption(rounds >= 1 && rounds <= 20, "adjustment.rounds", "1 to 20", rounds);
-  RequireOption(max_iterations >= 1, "adjustment.max_iterations", "1 or more", max_iterations);
+  const OptionFields residuals = {
+      {"huber_sigmas", &huber_sigmas, "robust sigmas", MoreThan(0.0),
+       "Residuals beyond this are weighted down (Huber). The sigma is the part's own, but at least "
+       "min_noise_px."},
+      {"outlier_sigmas", &outlier_sigmas, "robust sigmas", MoreThan(0.0),
+       "Observations beyond this are dropped between rounds."},
+      {"min_noise_px", &min_noise_px, "px", MoreThan(0.0),
+       "Least sigma of an observation, whatever the residuals say."},
+      {"shared_noise", &shared_noise, "", AtLeast(1.0),
+       "Sigmas of poses and rig grow by this factor, beside what the residuals of whole tracks "
+       "say: noise that all observations of a frame share (windows that are drawn aside by the "
+       "same perspective, relief within them) leaves no trace in residuals. Over 72 simulated "
+       "drives errors were 1.3 to 2.7 times the sigmas without it, by axis and size of the "
+       "images."},
+      {"max_depth_baselines", &max_depth_baselines, "baselines", MoreThan(0.0),
+       "Points further away are left out: they have less than a pixel of disparity and hardly move "
+       "the result."},
+  };
+  const OptionFields solver = {
+      {"rounds", &rounds, "", AtLeast(1).UpTo(20),
+       "Rounds of triangulating, adjusting and dropping observations."},
+      {"max_iterations", &max_iterations, "", AtLeast(1), "Most steps of the solver in a round."},
+      {"function_tolerance", &function_tolerance, "", MoreThan(0.0),
+       "Relative change of the cost at which the solver stops in the last round. With 1e-5 a "
+       "damped solver stopped too early on long parts (13.9 instead of 6.9 mm over 400 pairs); "
+       "undamped, as it is now, the poses of 103 pairs are the same from here to 1e-8."},
+  };
+  return JoinFields({rig, residuals, solver});
 }
 
 }  // namespace rigmap

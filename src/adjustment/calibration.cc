@@ -50,9 +50,9 @@ void Hold(int first_held, CalibrationMatrix& system, CalibrationVector& right_si
   }
 }
 
-int FirstHeld(const std::string& refine_rig) {
-  if (refine_rig == "rotation") return kLogFocal;
-  if (refine_rig == "rotation+focal") return kLogRightFocal;
+int FirstHeld(RigRefinement refine_rig) {
+  if (refine_rig == RigRefinement::kRotation) return kLogFocal;
+  if (refine_rig == RigRefinement::kRotationAndFocal) return kLogRightFocal;
   return kCalibrationSize;
 }
 
@@ -99,10 +99,9 @@ CalibrationVector InPriorSigmas(const CalibrationVector& correction,
 std::optional<ProbableCorrection> BetterCorrection(const CalibrationVector& now,
                                                    const CalibrationEquations& equations,
                                                    const AdjustmentOptions& options) {
-  if (options.refine_rig == "none") return std::nullopt;
-  if (options.refine_rig == "auto" && now.isZero() && !Contradicts(equations, options)) {
-    return std::nullopt;
-  }
+  if (options.refine_rig == RigRefinement::kNone) return std::nullopt;
+  const bool asks = options.refine_rig == RigRefinement::kAuto && now.isZero();
+  if (asks && !Contradicts(equations, options)) return std::nullopt;
   // Directions that hardly show must not follow noise that is shared.
   const double times_as_uncertain =
       Inflation(equations) * options.shared_noise * options.shared_noise;

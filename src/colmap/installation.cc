@@ -19,10 +19,12 @@ bool IsSupported(const std::string& version) {
 
 }  // namespace
 
-OptionFields ColmapOptions::Fields() { return {{"patience_s", &patience_s}}; }
-
-void ColmapOptions::Validate() const {
-  RequireOption(patience_s > 0.0, "colmap.patience_s", "more than 0", patience_s);
+OptionFields ColmapOptions::Fields() {
+  return {
+      {"patience_s", &patience_s, "s", MoreThan(0.0),
+       "A COLMAP that writes nothing for so long hangs and is killed. It says a word for each "
+       "image, and its longest adjustments, of thousands of images, take a few minutes."},
+  };
 }
 
 ColmapInstallation FindColmap(double patience_s) {

@@ -8,12 +8,11 @@
 namespace rigmap {
 
 struct ColmapOptions {
-  // s; a COLMAP that writes nothing for so long hangs and is killed. It says a word for each image,
-  // and its longest adjustments, of thousands of images, take a few minutes.
+  static constexpr const char* kSection = "colmap";
+
   double patience_s = 900.0;
 
   OptionFields Fields();
-  void Validate() const;  // throws UsageError
 };
 
 struct ColmapInstallation {

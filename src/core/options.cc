@@ -21,22 +21,58 @@ std::string Names(const OptionFields& fields) {
   return fmt::format("{}", fmt::join(names, ", "));
 }
 
+// "a, b or c".
+std::string Alternatives(const std::vector<std::string>& names) {
+  const auto last = names.end() - 1;
+  return fmt::format("{}{}{}", fmt::join(names.begin(), last, ", "), names.size() > 1 ? " or " : "",
+                     *last);
+}
+
+void RequireInRange(const std::string& where, const OptionField& field, double value) {
+  if (field.range.Holds(value)) return;
+  throw UsageError(
+      fmt::format("{}: expected {}, found {}", where, field.range.Text(), OptionValueText(field)));
+}
+
+// Sets the field and throws UsageError if it may not have that value; `where` begins the message.
 struct Assign {
   const YamlNode& node;
-  void operator()(int* value) const { *value = node.AsInt(); }
-  void operator()(double* value) const { *value = node.AsDouble(); }
+  const OptionField& field;
+  const std::string& where;
+
+  void operator()(int* value) const {
+    *value = node.AsInt();
+    RequireInRange(where, field, *value);
+  }
+  void operator()(double* value) const {
+    *value = node.AsDouble();
+    RequireInRange(where, field, *value);
+  }
   void operator()(bool* value) const { *value = node.AsBool(); }
-  void operator()(std::string* value) const { *value = node.AsString(); }
+  void operator()(const OptionChoice& choice) const {
+    const auto found = std::find(choice.names.begin(), choice.names.end(), node.AsString());
+    if (found == choice.names.end()) {
+      throw UsageError(
+          fmt::format("{}: expected {}, found '{}'", where, AllowedText(field), node.AsString()));
+    }
+    choice.choose(static_cast<std::size_t>(found - choice.names.begin()));
+  }
 };
 
 struct Format {
   std::string operator()(const int* value) const { return fmt::format("{}", *value); }
   std::string operator()(const double* value) const { return fmt::format("{}", *value); }
   std::string operator()(const bool* value) const { return *value ? "true" : "false"; }
-  std::string operator()(const std::string* value) const { return QuoteYaml(*value); }
+  std::string operator()(const OptionChoice& choice) const { return choice.names[choice.index()]; }
 };
 
 }  // namespace
+
+OptionFields JoinFields(std::initializer_list<OptionFields> parts) {
+  OptionFields joined;
+  for (const OptionFields& part : parts) joined.insert(joined.end(), part.begin(), part.end());
+  return joined;
+}
 
 void ReadOptions(const YamlNode& section, const OptionFields& fields) {
   if (section.kind != YamlNode::Kind::kMap && section.kind != YamlNode::Kind::kNull) {
@@ -51,41 +87,50 @@ void ReadOptions(const YamlNode& section, const OptionFields& fields) {
       throw DataError(fmt::format("{}: unknown option '{}', expected one of {}", node.where, name,
                                   Names(fields)));
     }
-    std::visit(Assign{node}, field->value);
+    const std::string where = fmt::format("{}: option {}", node.where, name);
+    std::visit(Assign{node, *field, where}, field->value);
   }
 }
 
-void SetOption(const std::string& stage, const std::string& option, const std::string& value,
+void SetOption(const std::string& section, const std::string& option, const std::string& value,
                const OptionFields& fields) {
   const OptionField* field = FindField(fields, option);
   if (!field) {
-    throw UsageError(fmt::format("--set {}.{}: unknown option, expected one of {}", stage, option,
+    throw UsageError(fmt::format("--set {}.{}: unknown option, expected one of {}", section, option,
                                  Names(fields)));
   }
-  YamlNode node{.kind = YamlNode::Kind::kScalar,
-                .scalar = value,
-                .items = {},
-                .entries = {},
-                .where = fmt::format("--set {}.{}", stage, option)};
+  const std::string where = fmt::format("--set {}.{}", section, option);
+  const YamlNode node{
+      .kind = YamlNode::Kind::kScalar, .scalar = value, .items = {}, .entries = {}, .where = where};
   try {
-    std::visit(Assign{node}, field->value);
+    std::visit(Assign{node, *field, where}, field->value);
   } catch (const DataError& error) {
     throw UsageError(error.what());
   }
 }
 
+std::string OptionValueText(const OptionField& field) { return std::visit(Format{}, field.value); }
+
+std::string AllowedText(const OptionField& field) {
+  if (std::holds_alternative<bool*>(field.value)) return "true or false";
+  const auto* choice = std::get_if<OptionChoice>(&field.value);
+  return choice ? Alternatives(choice->names) : field.range.Text();
+}
+
 std::string WriteOptions(const OptionFields& fields) {
   std::string text;
   for (const auto& field : fields) {
-    text += fmt::format("  {}: {}\n", field.name, std::visit(Format{}, field.value));
+    text += fmt::format("  {}: {}\n", field.name, OptionValueText(field));
   }
   return text;
 }
 
-OptionFields JoinFields(std::initializer_list<OptionFields> parts) {
-  OptionFields joined;
-  for (const OptionFields& part : parts) joined.insert(joined.end(), part.begin(), part.end());
-  return joined;
+void RequireInRange(const std::string& section, const OptionFields& fields) {
+  for (const OptionField& field : fields) {
+    const std::string where = fmt::format("option {}.{}", section, field.name);
+    if (const auto* whole = std::get_if<int*>(&field.value)) RequireInRange(where, field, **whole);
+    if (const auto* real = std::get_if<double*>(&field.value)) RequireInRange(where, field, **real);
+  }
 }
 
 void RequireOption(bool holds, const std::string& name, const std::string& requirement,

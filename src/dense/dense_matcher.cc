@@ -16,8 +16,8 @@ DenseMatcher::DenseMatcher(const StereoRig& rig, const DenseOptions& options,
       rectifier_(rig),
       left_static_(StaticMask(rig.left)),
       right_static_(StaticMask(rig.right)) {
-  options_.Validate();
-  mask_options_.Validate();
+  RequireValid(options_);
+  RequireValid(mask_options_);
   if (!left_mask.empty()) cv::bitwise_and(left_static_, left_mask, left_static_);
 }
 

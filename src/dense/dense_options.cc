@@ -1,60 +1,71 @@
 #include "dense/dense_options.h"
 
-#include <fmt/format.h>
-
 #include <cmath>
-
-#include "core/error.h"
 
 namespace rigmap {
 
 OptionFields DenseOptions::Fields() {
-  return {{"method", &method},
-          {"block_px", &block_px},
-          {"small_step_cost", &small_step_cost},
-          {"large_step_cost", &large_step_cost},
-          {"uniqueness_pct", &uniqueness_pct},
-          {"left_right_px", &left_right_px},
-          {"speckle_size_px", &speckle_size_px},
-          {"speckle_step_px", &speckle_step_px},
-          {"refinement_px", &refinement_px},
-          {"smoothing_px", &smoothing_px},
-          {"refined_sigma_factor", &refined_sigma_factor},
-          {"least_sigma_px", &least_sigma_px},
-          {"min_depth_m", &min_depth_m},
-          {"disparity_sigma_px", &disparity_sigma_px},
-          {"max_range_m", &max_range_m},
-          {"max_depth_sigma_m", &max_depth_sigma_m}};
+  const OptionFields matching = {
+      {"method",
+       ChoiceOf(&method),
+       "",
+       {},
+       "sgm: semi-global matching over eight paths (Hirschmüller 2008); with five, disparities on "
+       "sand are off by up to 0.2 px. bm: block matching, ten times as fast, with holes."},
+      {"block_px", &block_px, "px", AtLeast(1).Odd(),
+       "Side of the window that a matching cost is summed over. With 7 twice as many false matches "
+       "are left on sand, with 3 more noise. For bm at least 5."},
+      {"small_step_cost", &small_step_cost, "per pixel of the window", MoreThan(0.0),
+       "Cost of a disparity step of one pixel. From OpenCV's sample for stereo matching."},
+      {"large_step_cost", &large_step_cost, "per pixel of the window", MoreThan(0.0),
+       "Cost of a disparity step of more than one pixel; above small_step_cost. From OpenCV's "
+       "sample for stereo matching."},
+      {"uniqueness_pct", &uniqueness_pct, "per cent", AtLeast(0).UpTo(100),
+       "By how much the best cost must beat the second best elsewhere. With 5, 0.4 to 0.6 % of "
+       "disparities on sand are wrong by more than 1.5 px, with 10 a tenth of that, and 0.4 % "
+       "fewer are known."},
+  };
+  const OptionFields filters = {
+      {"left_right_px", &left_right_px, "px", AtLeast(0),
+       "By how much disparities seen from left and from right may differ."},
+      {"speckle_size_px", &speckle_size_px, "px", AtLeast(0),
+       "Connected patches of fewer pixels are dropped. False matches on weak texture reach a few "
+       "hundred; real things hang together with the ground they stand on."},
+      {"speckle_step_px", &speckle_step_px, "px", AtLeast(1),
+       "Neighbours whose disparities differ by no more are connected."},
+      {"refinement_px", &refinement_px, "px", AtLeast(3).Odd(),
+       "Side of the window in which both views are brought to agree below the pixel."},
+      {"smoothing_px", &smoothing_px, "px", AtLeast(1).Odd(),
+       "Side of the window in which disparities of one surface are averaged (1: not at all)."},
+      {"refined_sigma_factor", &refined_sigma_factor, "", MoreThan(0.0),
+       "The sigma that comes with the refinement is multiplied with this: neighbours share the "
+       "noise of resampled views. Against true depths 1.6 to 2.3."},
+      {"least_sigma_px", &least_sigma_px, "px", MoreThan(0.0),
+       "Least sigma of a refined disparity. Measured against true depths."},
+  };
+  const OptionFields range = {
+      {"min_depth_m", &min_depth_m, "m", MoreThan(0.0),
+       "Nearest depth that is searched. The range is then narrowed to what a pair shows."},
+      {"disparity_sigma_px", &disparity_sigma_px, "px", MoreThan(0.0),
+       "Sigma of a disparity as matched, 0.12 to 0.25 on textured ground. It decides the range; "
+       "each pixel has a sigma of its own besides."},
+      {"max_range_m", &max_range_m, "m", AtLeast(0.0),
+       "Largest depth, beyond min_depth_m. 0: where the sigma of the depth reaches "
+       "max_depth_sigma_m."},
+      {"max_depth_sigma_m", &max_depth_sigma_m, "m", MoreThan(0.0),
+       "Pixels whose own sigma is larger are left out. 0.09 is reached at six metres with a "
+       "baseline of 0.12 m and 840 px; twice that is the height of a small rock."},
+  };
+  return JoinFields({matching, filters, range});
 }
 
-void DenseOptions::Validate() const {
-  if (method != "sgm" && method != "bm") {
-    throw UsageError(fmt::format("option dense.method: expected sgm or bm, found {}", method));
-  }
-  RequireOption(block_px >= 1 && block_px % 2 == 1, "dense.block_px", "an odd number", block_px);
-  RequireOption(method != "bm" || block_px >= 5, "dense.block_px", "at least 5 for method bm",
-                block_px);
-  RequireOption(small_step_cost > 0.0, "dense.small_step_cost", "above 0", small_step_cost);
+void DenseOptions::RequireRelations() const {
+  RequireOption(method != DenseMethod::kBm || block_px >= 5, "dense.block_px",
+                "at least 5 for method bm", block_px);
   RequireOption(large_step_cost > small_step_cost, "dense.large_step_cost",
-                "above dense.small_step_cost", large_step_cost);
-  RequireOption(uniqueness_pct >= 0 && uniqueness_pct <= 100, "dense.uniqueness_pct", "0 to 100",
-                uniqueness_pct);
-  RequireOption(left_right_px >= 0, "dense.left_right_px", "at least 0", left_right_px);
-  RequireOption(speckle_size_px >= 0, "dense.speckle_size_px", "at least 0", speckle_size_px);
-  RequireOption(speckle_step_px >= 1, "dense.speckle_step_px", "at least 1", speckle_step_px);
-  RequireOption(refinement_px >= 3 && refinement_px % 2 == 1, "dense.refinement_px",
-                "an odd number of at least 3", refinement_px);
-  RequireOption(smoothing_px >= 1 && smoothing_px % 2 == 1, "dense.smoothing_px", "an odd number",
-                smoothing_px);
-  RequireOption(refined_sigma_factor > 0.0, "dense.refined_sigma_factor", "above 0",
-                refined_sigma_factor);
-  RequireOption(least_sigma_px > 0.0, "dense.least_sigma_px", "above 0", least_sigma_px);
-  RequireOption(min_depth_m > 0.0, "dense.min_depth_m", "above 0", min_depth_m);
-  RequireOption(disparity_sigma_px > 0.0, "dense.disparity_sigma_px", "above 0",
-                disparity_sigma_px);
+                "more than dense.small_step_cost", large_step_cost);
   RequireOption(max_range_m == 0.0 || max_range_m > min_depth_m, "dense.max_range_m",
-                "0 or above dense.min_depth_m", max_range_m);
-  RequireOption(max_depth_sigma_m > 0.0, "dense.max_depth_sigma_m", "above 0", max_depth_sigma_m);
+                "0 or more than dense.min_depth_m", max_range_m);
 }
 
 double DenseOptions::MaxDepth(double focal_px, double baseline_m) const {

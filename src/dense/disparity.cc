@@ -20,7 +20,7 @@ int RoundUpToSixteen(double disparity_px) {
 }
 
 cv::Ptr<cv::StereoMatcher> MakeMatcher(int disparities, const DenseOptions& options) {
-  if (options.method == "bm") {
+  if (options.method == DenseMethod::kBm) {
     auto matcher = cv::StereoBM::create(disparities, options.block_px);
     matcher->setUniquenessRatio(options.uniqueness_pct);
     matcher->setDisp12MaxDiff(options.left_right_px);

@@ -124,16 +124,23 @@ SegmentedRock Measure(const std::vector<CellIndex>& footprint, const RockCells& 
 
 }  // namespace
 
-void RockSegmentationOptions::Validate() const {
-  RequireOption(min_height_m > 0.0, "rocks.min_height_m", "more than 0 m", min_height_m);
-  RequireOption(min_height_sigmas >= 0.0, "rocks.min_height_sigmas", "at least 0",
-                min_height_sigmas);
-  RequireOption(min_top_m >= 0.0, "rocks.min_top_m", "at least 0 m", min_top_m);
-  RequireOption(min_width_m >= 0.0, "rocks.min_width_m", "at least 0 m", min_width_m);
+OptionFields RockSegmentationOptions::Fields() {
+  return {
+      {"min_height_m", &min_height_m, "m", MoreThan(0.0),
+       "Cells this far above the ground belong to rocks; footprints and tracks do not. A quarter "
+       "of Katwijk's smallest rocks."},
+      {"min_height_sigmas", &min_height_sigmas, "sigmas", AtLeast(0.0),
+       "The same in sigmas of the heights about the ground, where the map is noisier than that."},
+      {"min_top_m", &min_top_m, "m", AtLeast(0.0),
+       "The top of a rock is at least so high: half of the smallest rocks' height."},
+      {"min_width_m", &min_width_m, "m", AtLeast(0.0),
+       "The footprint of a rock is at least so long: half of the smallest rocks' width, since the "
+       "map may show one face only."},
+  };
 }
 
 RockSegmentation SegmentRocks(const HeightGrid& grid, const RockSegmentationOptions& options) {
-  options.Validate();
+  RequireValid(options);
   RockSegmentation segmentation{.rocks = {}, .ground = GroundLevel(grid)};
   segmentation.height_limit_m = HeightLimit(grid, segmentation.ground, options);
   RockCells cells = FindRockCells(grid, segmentation.ground, segmentation.height_limit_m);

@@ -9,25 +9,16 @@
 
 namespace rigmap {
 
+// What each option does and why it has its default: the declaration in rock_segmentation.cc.
 struct RockSegmentationOptions {
-  // m; cells this far above the ground belong to rocks, footprints and tracks do not. A quarter of
-  // the smallest rocks of Katwijk.
+  static constexpr const char* kSection = "rocks";
+
   double min_height_m = 0.08;
-  // The same in sigmas of the cells' heights about the ground, where the map is noisier than that.
   double min_height_sigmas = 5.0;
-  // m; the top of a rock is at least this far above the ground. Half the smallest rocks' height.
   double min_top_m = 0.15;
-  // m; a rock is at least this long. Half the smallest rocks' width, since the map may show only
-  // one face of it.
   double min_width_m = 0.2;
 
-  OptionFields Fields() {
-    return {{"min_height_m", &min_height_m},
-            {"min_height_sigmas", &min_height_sigmas},
-            {"min_top_m", &min_top_m},
-            {"min_width_m", &min_width_m}};
-  }
-  void Validate() const;
+  OptionFields Fields();
 };
 
 // As far as the map shows it: of a rock seen from one side, that side. World axes, metres.

@@ -98,17 +98,24 @@ int Match(const std::vector<SegmentedRock>& rocks, const Rigid2& plane_from_worl
 
 }  // namespace
 
-void RockSurveyOptions::Validate() const {
-  RequireOption(small_half_width_m > 0.0, "rocks.small_half_width_m", "more than 0 m",
-                small_half_width_m);
-  RequireOption(medium_half_width_m > 0.0, "rocks.medium_half_width_m", "more than 0 m",
-                medium_half_width_m);
-  RequireOption(large_half_width_m > 0.0, "rocks.large_half_width_m", "more than 0 m",
-                large_half_width_m);
-  RequireOption(survey_sigma_m >= 0.0, "rocks.survey_sigma_m", "at least 0 m", survey_sigma_m);
-  RequireOption(max_sigmas >= 0.0, "rocks.max_sigmas", "at least 0", max_sigmas);
-  RequireOption(max_from_path_m > 0.0, "rocks.max_from_path_m", "more than 0 m", max_from_path_m);
-  RequireOption(max_view_m > 0.0, "rocks.max_view_m", "more than 0 m", max_view_m);
+OptionFields RockSurveyOptions::Fields() {
+  return {
+      {"small_half_width_m", &small_half_width_m, "m", MoreThan(0.0),
+       "Half width of a small rock: the survey's point and the middle of what the map shows may be "
+       "that far apart. Of Katwijk's boulders, to about a tenth."},
+      {"medium_half_width_m", &medium_half_width_m, "m", MoreThan(0.0),
+       "The same of a medium rock."},
+      {"large_half_width_m", &large_half_width_m, "m", MoreThan(0.0), "The same of a large rock."},
+      {"survey_sigma_m", &survey_sigma_m, "m", AtLeast(0.0),
+       "Sigma of a surveyed position, each axis: a hand-held pole."},
+      {"max_sigmas", &max_sigmas, "sigmas", AtLeast(0.0),
+       "Sigmas of survey and alignment that are allowed on top of a half width."},
+      {"max_from_path_m", &max_from_path_m, "m", MoreThan(0.0),
+       "A rock this near the path, and in view from max_view_m, should be in the map."},
+      {"max_view_m", &max_view_m, "m", MoreThan(0.0),
+       "Largest distance from which a rock counts as in view: beyond, the sigma of a depth exceeds "
+       "a voxel several times."},
+  };
 }
 
 double RockSurveyOptions::HalfWidth(RockSize size) const {
@@ -119,7 +126,7 @@ double RockSurveyOptions::HalfWidth(RockSize size) const {
 
 RockSurvey CompareWithSurvey(const RockSegmentation& map, const RoverViews& views,
                              const PlacedSurvey& survey, const RockSurveyOptions& options) {
-  options.Validate();
+  RequireValid(options);
   const RtkAlignment& alignment = survey.alignment;
   const LocalFrame plane(alignment.plane_origin);
   const Rigid2 world_from_plane = alignment.plane_from_world.Inverse();

@@ -17,31 +17,19 @@
 
 namespace rigmap {
 
+// What each option does and why it has its default: the declaration in rock_survey.cc.
 struct RockSurveyOptions {
-  // m; half widths of the three sizes: the survey's point and the middle of what the map shows of a
-  // rock may be that far apart. Of Katwijk's boulders, to about a tenth.
+  static constexpr const char* kSection = "rocks";
+
   double small_half_width_m = 0.22;
   double medium_half_width_m = 0.4;
   double large_half_width_m = 0.55;
-  // m; one sigma of a surveyed place, each axis: a hand-held pole.
   double survey_sigma_m = 0.03;
-  // Sigmas of survey and alignment that are allowed on top of a half width.
   double max_sigmas = 3.0;
-  // m; a rock this near the path, and in view from at most max_view_m, should be in the map:
-  // beyond, the sigma of a depth exceeds a voxel several times.
   double max_from_path_m = 3.5;
   double max_view_m = 6.0;
 
-  OptionFields Fields() {
-    return {{"small_half_width_m", &small_half_width_m},
-            {"medium_half_width_m", &medium_half_width_m},
-            {"large_half_width_m", &large_half_width_m},
-            {"survey_sigma_m", &survey_sigma_m},
-            {"max_sigmas", &max_sigmas},
-            {"max_from_path_m", &max_from_path_m},
-            {"max_view_m", &max_view_m}};
-  }
-  void Validate() const;
+  OptionFields Fields();
   double HalfWidth(RockSize size) const;
 };
 

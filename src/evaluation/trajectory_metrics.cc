@@ -103,15 +103,21 @@ std::optional<RelativeError> CompareSegments(const MatchedPoses& matched, double
 
 }  // namespace
 
-void EvaluationOptions::Validate() const {
-  RequireOption(max_dt_s >= 0.0, "evaluation.max_dt_s", "at least 0 s", max_dt_s);
-  RequireOption(segment_m >= 0.0, "evaluation.segment_m", "at least 0 m", segment_m);
+OptionFields EvaluationOptions::Fields() {
+  return {
+      {"max_dt_s", &max_dt_s, "s", AtLeast(0.0),
+       "A true pose is matched with an estimated one within this: half a frame at 25 Hz, in which "
+       "a rover moves a centimetre."},
+      {"segment_m", &segment_m, "m", AtLeast(0.0),
+       "Length of the stretches that relative errors are taken over. 0: a fifth of the true path, "
+       "so that short and long parts both have several."},
+  };
 }
 
 TrajectoryMetrics CompareTrajectories(std::span<const TumPose> estimate,
                                       std::span<const TumPose> truth,
                                       const EvaluationOptions& options) {
-  options.Validate();
+  RequireValid(options);
   const std::vector<TumPose> sorted_estimate = InOrderOfTime(estimate);
   const std::vector<TumPose> sorted_truth = InOrderOfTime(truth);
   const MatchedPoses matched =

@@ -11,16 +11,14 @@
 
 namespace rigmap {
 
+// What each option does and why it has its default: the declaration in trajectory_metrics.cc.
 struct EvaluationOptions {
-  // s; a true pose is matched when an estimated one lies within this. Half a frame at 25 Hz, in
-  // which a rover moves a centimetre.
+  static constexpr const char* kSection = "evaluation";
+
   double max_dt_s = 0.02;
-  // m; length of the stretches that relative errors are taken over. 0: a fifth of the true path, so
-  // that short and long parts both have several.
   double segment_m = 0.0;
 
-  OptionFields Fields() { return {{"max_dt_s", &max_dt_s}, {"segment_m", &segment_m}}; }
-  void Validate() const;
+  OptionFields Fields();
 };
 
 // Errors after the alignment that favours the estimate most: ate_se3 by a rigid motion, so that an

@@ -85,8 +85,8 @@ class GridsBySlope {
 std::vector<std::size_t> FuseDepthMaps(std::span<const PosedDepth> depths,
                                        const VoxelOptions& voxel, const FusionOptions& options,
                                        const FusionTarget& target) {
-  voxel.Validate();
-  options.Validate();
+  RequireValid(voxel);
+  RequireValid(options);
   const std::vector<Rigid3> world_from_left = PosesOf(depths);
   ViewCache cache(depths, kCachedViews);
   FrameAgreement agreement(world_from_left, options, cache);

@@ -106,14 +106,20 @@ std::optional<Geodetic> MiddleOf(std::span<const GnssFix> fixes) {
 
 }  // namespace
 
-void RtkAlignmentOptions::Validate() const {
-  RequireOption(max_clock_offset_s >= 0.0 && max_clock_offset_s <= 60.0,
-                "georeference.max_clock_offset_s", "0 to 60 s", max_clock_offset_s);
-  RequireOption(max_place_sigma_m > 0.0, "georeference.max_place_sigma_m", "more than 0 m",
-                max_place_sigma_m);
-  RequireOption(max_gap_s > 0.0, "georeference.max_gap_s", "more than 0 s", max_gap_s);
-  RequireOption(unknown_clock_sigma_s >= 0.0, "georeference.unknown_clock_sigma_s", "at least 0 s",
-                unknown_clock_sigma_s);
+OptionFields RtkAlignmentOptions::Fields() {
+  return {
+      {"max_clock_offset_s", &max_clock_offset_s, "s", AtLeast(0.0).UpTo(60.0),
+       "How far the receiver's clock is looked for either way from the images'. 0: taken as "
+       "exact."},
+      {"max_place_sigma_m", &max_place_sigma_m, "m", MoreThan(0.0),
+       "An alignment, or a clock offset, that leaves the edge of the map less certain than this is "
+       "not determined. A quarter of a small rock's half width."},
+      {"max_gap_s", &max_gap_s, "s", MoreThan(0.0),
+       "Poses further apart have nothing between them. About one interval of Katwijk's fixes."},
+      {"unknown_clock_sigma_s", &unknown_clock_sigma_s, "s", AtLeast(0.0),
+       "Sigma of a clock offset that is not determined. Shown by Katwijk's images: they come "
+       "closer to a rock than their fixes by up to about half a second's way."},
+  };
 }
 
 double RtkAlignment::SigmaAt(const Eigen::Vector2d& x_in_world) const {
@@ -127,7 +133,7 @@ double RtkAlignment::SigmaAt(const Eigen::Vector2d& x_in_world) const {
 
 RtkFit AlignToRtk(std::span<const GnssFix> fixes, const Trajectory& trajectory,
                   const Eigen::Vector3d& antenna_in_left, const RtkAlignmentOptions& options) {
-  options.Validate();
+  RequireValid(options);
   const AntennaPath path(trajectory, antenna_in_left, options.max_gap_s);
   const auto origin = MiddleOf(fixes);
   if (path.IsEmpty() || !origin) {

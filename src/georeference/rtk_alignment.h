@@ -14,25 +14,16 @@
 
 namespace rigmap {
 
+// What each option does and why it has its default: the declaration in rtk_alignment.cc.
 struct RtkAlignmentOptions {
-  // s; the receiver's clock is looked for this far either way from the images'. 0: taken as exact.
+  static constexpr const char* kSection = "georeference";
+
   double max_clock_offset_s = 3.0;
-  // m; an alignment, or a clock offset, that leaves a place at the edge of the map less certain
-  // than this (one sigma) is not determined. A quarter of a small rock's half width.
   double max_place_sigma_m = 0.05;
-  // s; poses further apart have nothing between them. About one interval of Katwijk's fixes.
   double max_gap_s = 3.0;
-  // s; one sigma of a clock offset that is not determined. Shown by Katwijk's images: they come
-  // closer to a rock than their fixes by up to about half a second's way.
   double unknown_clock_sigma_s = 0.5;
 
-  OptionFields Fields() {
-    return {{"max_clock_offset_s", &max_clock_offset_s},
-            {"max_place_sigma_m", &max_place_sigma_m},
-            {"max_gap_s", &max_gap_s},
-            {"unknown_clock_sigma_s", &unknown_clock_sigma_s}};
-  }
-  void Validate() const;
+  OptionFields Fields();
 };
 
 // The plane is x east, y north (m) of LocalFrame(plane_origin).

@@ -107,17 +107,6 @@ cv::Mat Sky(const cv::Mat& grey, const MaskOptions& options) {
 
 }  // namespace
 
-void MaskOptions::Validate() const {
-  RequireOption(saturation_level >= 1 && saturation_level <= 256, "mask.saturation_level",
-                "a grey value from 1 to 255, or 256 for none", saturation_level);
-  RequireOption(saturation_width_px >= 1, "mask.saturation_width_px", "at least 1",
-                saturation_width_px);
-  RequireOption(saturation_margin_px >= 0.0, "mask.saturation_margin_px", "at least 0",
-                saturation_margin_px);
-  RequireOption(sky_lowest_share > 0.0 && sky_lowest_share < 1.0, "mask.sky_lowest_share",
-                "a share between 0 and 1", sky_lowest_share);
-}
-
 cv::Mat StaticMask(const RigEye& eye) {
   const cv::Rect whole(0, 0, eye.camera.width, eye.camera.height);
   cv::Mat mask(whole.size(), CV_8UC1, cv::Scalar(0));

@@ -3,36 +3,10 @@
 
 #include <opencv2/core.hpp>
 
-#include "core/options.h"
+#include "imaging/mask_options.h"
 #include "scene/rig.h"
 
 namespace rigmap {
-
-struct MaskOptions {
-  // Grey value from which a pixel counts as saturated. Below 255, since JPEG and the conversion
-  // from colour spread the value of a clipped pixel by a few levels.
-  int saturation_level = 250;
-  // Smallest width (px) of a saturated area; anything thinner is a glint or a bright pebble, which
-  // has edges on both sides and is as good a feature as any.
-  int saturation_width_px = 15;
-  // Pixels beside a saturated area that go with it: blooming and the camera's sharpening shift
-  // its edges, by about 2 px to either side.
-  double saturation_margin_px = 3.0;
-  // Leave out the sky: it has no finite depth, and its clouds move.
-  bool sky = true;
-  // Share of the image height that sky may reach down to; a rig that looks ahead or down has its
-  // horizon above.
-  double sky_lowest_share = 0.6;
-
-  OptionFields Fields() {
-    return {{"saturation_level", &saturation_level},
-            {"saturation_width_px", &saturation_width_px},
-            {"saturation_margin_px", &saturation_margin_px},
-            {"sky", &sky},
-            {"sky_lowest_share", &sky_lowest_share}};
-  }
-  void Validate() const;  // throws UsageError
-};
 
 // Masks are CV_8UC1 of the image's size: 255 usable, 0 not.
 

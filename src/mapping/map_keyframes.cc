@@ -59,7 +59,7 @@ class KeyframeMapper {
       Remark("no seed led to a model, so the odometric poses were triangulated");
       return Triangulated();
     }
-    return Finish("seeded");
+    return Finish(MappingMethod::kSeeded);
   }
 
   MappingResult Triangulated() {
@@ -68,7 +68,7 @@ class KeyframeMapper {
     const SparseModel start = MakeSeedModel(input_, 0, keyframes);
     if (start.points.size() < kMinTriangulatedPoints) {
       Remark(fmt::format("the keyframes share {} places, too few to map", start.points.size()));
-      return Finish("none");
+      return Finish(std::nullopt);
     }
     WriteModel(start, poses);
     const fs::path output = paths_.scratch / "triangulated";
@@ -80,7 +80,7 @@ class KeyframeMapper {
                           .log = paths_.log,
                           .threads = threads_});
     Keep(output);
-    return Finish("triangulate");
+    return Finish(MappingMethod::kTriangulate);
   }
 
   MappingResult Unseeded() {
@@ -96,7 +96,7 @@ class KeyframeMapper {
       Remark("without a model the odometric poses were triangulated");
       return Triangulated();
     }
-    return Finish("unseeded");
+    return Finish(MappingMethod::kUnseeded);
   }
 
  private:
@@ -143,7 +143,7 @@ class KeyframeMapper {
   }
 
   // Largest first, the folders numbered alike.
-  MappingResult Finish(const std::string& method) {
+  MappingResult Finish(std::optional<MappingMethod> method) {
     std::stable_sort(made_.begin(), made_.end(), [](const MadeModel& a, const MadeModel& b) {
       return a.model.images.size() > b.model.images.size();
     });
@@ -189,8 +189,8 @@ class KeyframeMapper {
 MappingResult MapKeyframes(const ColmapInstallation& colmap, const GraphWithPoses& input,
                            const MappingPaths& paths, const MappingOptions& options, int threads) {
   KeyframeMapper mapper(colmap, input, paths, options, threads);
-  if (options.method == "triangulate") return mapper.Triangulated();
-  if (options.method == "unseeded") return mapper.Unseeded();
+  if (options.method == MappingMethod::kTriangulate) return mapper.Triangulated();
+  if (options.method == MappingMethod::kUnseeded) return mapper.Unseeded();
   return mapper.Seeded();
 }
 

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
+#include <vector>
 
 #include "colmap/installation.h"
 #include "mapping/mapping_options.h"

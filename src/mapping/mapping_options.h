@@ -1,35 +1,31 @@
-// Options of the stage `mapping`.
+// Options of the stages `database` and `mapping`.
 #pragma once
 
-#include <string>
-
 #include "core/options.h"
+#include "scene/mapping_method.h"
 
 namespace rigmap {
 
+// What each option does and why it has its default: the declarations in mapping_options.cc.
+
 // What COLMAP is given to map with.
 struct KeyframeGraphOptions {
-  // Tracks given to COLMAP per keyframe, longest first: its cost is linear in them, and the
-  // adjustment afterwards uses all.
+  static constexpr const char* kSection = "mapping";
+
   int tracks_per_keyframe = 300;
 
-  OptionFields Fields() { return {{"tracks_per_keyframe", &tracks_per_keyframe}}; }
-  void Validate() const;  // throws UsageError
+  OptionFields Fields();
 };
 
 struct MappingOptions {
-  // "seeded": incremental mapping that starts from metric frames of the odometry (default, forgives
-  // bad odometry); "triangulate": points on the odometric poses; "unseeded": stock incremental
-  // mapping, for comparison only, since it maps flat sand wrongly without noticing.
-  std::string method = "seeded";
-  // Keyframes in a seed. 2, 4 and 8 do equally well; four survive one bad step.
+  static constexpr const char* kSection = "mapping";
+
+  MappingMethod method = MappingMethod::kSeeded;
   int seed_keyframes = 4;
-  // Further models are seeded where COLMAP left so many keyframes in a row.
   int min_model_keyframes = 4;
   int max_models = 20;
 
   OptionFields Fields();
-  void Validate() const;  // throws UsageError
 };
 
 }  // namespace rigmap

@@ -2,50 +2,64 @@
 
 namespace rigmap {
 
-OptionFields MatchingOptions::Fields() {
-  return {{"neighbours", &neighbours},
-          {"min_overlap", &min_overlap},
-          {"max_revisits", &max_revisits},
-          {"revisit_candidates", &revisit_candidates},
-          {"min_revisit_inliers", &min_revisit_inliers},
-          {"sure_revisit_inliers", &sure_revisit_inliers},
-          {"search_radius_px", &search_radius_px},
-          {"max_search_radius_px", &max_search_radius_px},
-          {"keypoint_noise_px", &keypoint_noise_px},
-          {"disparity_noise_px", &disparity_noise_px},
-          {"max_sigmas", &max_sigmas},
-          {"min_inliers", &verification.min_inliers},
-          {"min_correlation", &min_correlation},
-          {"max_position_sigma_px", &max_position_sigma_px}};
-}
-
-void VerificationOptions::Validate() const {
-  RequireOption(min_inliers >= 6, "matching.min_inliers", "at least 6", min_inliers);
-}
-
-void MatchingOptions::Validate() const {
-  verification.Validate();
-  const auto positive = [](const char* name, double value) {
-    RequireOption(value > 0.0, std::string("matching.") + name, "more than 0", value);
+OptionFields VerificationOptions::Fields() {
+  return {
+      {"min_inliers", &min_inliers, "", AtLeast(6),
+       "Fewer agreeing matches make no motion, as in odometry. With fewer than half of this number "
+       "aligned the pair is dropped. Where the mapping adjusts odometric poses without the rig, it "
+       "drops keyframes of which an image shows fewer points."},
   };
-  RequireOption(neighbours >= 1 && neighbours <= 50, "matching.neighbours", "1 to 50", neighbours);
-  RequireOption(min_overlap > 0.0 && min_overlap <= 1.0, "matching.min_overlap", "0 to 1",
-                min_overlap);
-  RequireOption(max_revisits >= 0, "matching.max_revisits", "0 or more", max_revisits);
-  RequireOption(revisit_candidates >= 0, "matching.revisit_candidates", "0 or more",
-                revisit_candidates);
-  RequireOption(min_revisit_inliers >= 6, "matching.min_revisit_inliers", "at least 6",
-                min_revisit_inliers);
+}
+
+OptionFields MatchingOptions::Fields() {
+  const OptionFields which = {
+      {"neighbours", &neighbours, "", AtLeast(1).UpTo(50),
+       "Keyframes before it that each keyframe is matched with. Sand loses half its matches with "
+       "every frame; beyond four little is gained."},
+      {"min_overlap", &min_overlap, "", MoreThan(0.0).UpTo(1.0),
+       "A keyframe further back is tried where at least this share of its stereo points should be "
+       "in view again."},
+      {"max_revisits", &max_revisits, "", AtLeast(0),
+       "At most so many keyframes further back are tried for each keyframe."},
+      {"revisit_candidates", &revisit_candidates, "", AtLeast(0),
+       "Keyframes that odometry need not know of: so many that look most alike are tried for each "
+       "keyframe, with no prediction (0: none). On simulated loops one of the first three was "
+       "right for all 18 keyframes that had a right one. Each costs some 5 ms."},
+      {"min_revisit_inliers", &min_revisit_inliers, "", AtLeast(6),
+       "Matches that must agree with one motion before such a keyframe counts as revisited, where "
+       "a revisit by another keyframe nearby tells of the same motion. Of 4200 pairs of frames "
+       "from different simulated sands none reached six, of those of one straight drive that "
+       "hardly share ground some ten: this is half as many again."},
+      {"sure_revisit_inliers", &sure_revisit_inliers, "", AtLeast(6),
+       "The same where no other revisit tells of that motion; at least min_revisit_inliers. Three "
+       "times what pairs reach that hardly share ground."},
+      {"search_radius_px", &search_radius_px, "px", MoreThan(0.0),
+       "Search around the predicted position, for frames next to each other."},
+      {"max_search_radius_px", &max_search_radius_px, "px", MoreThan(0.0),
+       "Largest search: the radius grows with the frames in between, each of which adds the error "
+       "of a step of the odometry."},
+  };
+  const OptionFields verified = {
+      {"keypoint_noise_px", &keypoint_noise_px, "px", MoreThan(0.0),
+       "Sigma of a matched keypoint before its refinement, as in odometry."},
+      {"disparity_noise_px", &disparity_noise_px, "px", MoreThan(0.0),
+       "Sigma of a disparity, as in odometry."},
+      {"max_sigmas", &max_sigmas, "sigmas", MoreThan(0.0),
+       "A verified match may be off by so many sigmas under one motion of the rig."},
+  };
+  const OptionFields refined = {
+      {"min_correlation", &min_correlation, "", MoreThan(0.0).Below(1.0),
+       "Positions are refined by aligning each patch with its reference patch, from the first view "
+       "of the point. A match that correlates less is dropped."},
+      {"max_position_sigma_px", &max_position_sigma_px, "px", MoreThan(0.0),
+       "A match whose refined position is less certain than this is dropped."},
+  };
+  return JoinFields({which, verified, verification.Fields(), refined});
+}
+
+void MatchingOptions::RequireRelations() const {
   RequireOption(sure_revisit_inliers >= min_revisit_inliers, "matching.sure_revisit_inliers",
-                "at least min_revisit_inliers", sure_revisit_inliers);
-  RequireOption(min_correlation > 0.0 && min_correlation < 1.0, "matching.min_correlation",
-                "between 0 and 1", min_correlation);
-  positive("search_radius_px", search_radius_px);
-  positive("max_search_radius_px", max_search_radius_px);
-  positive("keypoint_noise_px", keypoint_noise_px);
-  positive("disparity_noise_px", disparity_noise_px);
-  positive("max_sigmas", max_sigmas);
-  positive("max_position_sigma_px", max_position_sigma_px);
+                "at least matching.min_revisit_inliers", sure_revisit_inliers);
 }
 
 }  // namespace rigmap

@@ -3,36 +3,37 @@
 namespace rigmap {
 
 OptionFields OdometryOptions::Fields() {
-  return {{"keypoint_noise_px", &keypoint_noise_px},
-          {"disparity_noise_px", &disparity_noise_px},
-          {"shared_noise", &shared_noise},
-          {"max_sigmas", &max_sigmas},
-          {"min_inliers", &min_inliers},
-          {"keyframe_min_seen_share", &keyframe_min_seen_share},
-          {"keyframe_max_shift_share", &keyframe_max_shift_share},
-          {"stand_still_sigmas", &stand_still_sigmas},
-          {"search_radius_px", &search_radius_px},
-          {"speed_change_share", &speed_change_share},
-          {"turn_change_rad_per_s", &turn_change_rad_per_s}};
-}
-
-void OdometryOptions::Validate() const {
-  const auto positive = [](const char* name, double value) {
-    RequireOption(value > 0.0, std::string("odometry.") + name, "more than 0", value);
+  return {
+      {"keypoint_noise_px", &keypoint_noise_px, "px", MoreThan(0.0),
+       "Sigma of a matched keypoint, for weights and sigmas. Measured on sand: SIFT matches "
+       "scatter by 0.3 px."},
+      {"disparity_noise_px", &disparity_noise_px, "px", MoreThan(0.0),
+       "Sigma of the disparity of a stereo match. Measured on sand: aligned stereo partners "
+       "scatter by 0.1 px."},
+      {"shared_noise", &shared_noise, "", AtLeast(1.0),
+       "Sigmas of a motion grow by this factor: noise that all matches of a frame share leaves no "
+       "trace in their residuals. As in the adjustment, where it was measured."},
+      {"max_sigmas", &max_sigmas, "sigmas", MoreThan(0.0),
+       "A match agrees with a motion within so many sigmas."},
+      {"min_inliers", &min_inliers, "", AtLeast(6),
+       "Fewer agreeing matches make no motion: wrong motions collect ten by chance."},
+      {"keyframe_min_seen_share", &keyframe_min_seen_share, "", AtLeast(0.0).UpTo(1.0),
+       "A new keyframe is made when less than this share of the last one's stereo points is still "
+       "seen."},
+      {"keyframe_max_shift_share", &keyframe_max_shift_share, "", MoreThan(0.0).UpTo(1.0),
+       "A new keyframe is made when the median stereo point has moved by more than this share of "
+       "the image width."},
+      {"stand_still_sigmas", &stand_still_sigmas, "sigmas", MoreThan(0.0),
+       "A motion below so many of its own sigmas is taken for none: the rig stands."},
+      {"search_radius_px", &search_radius_px, "px", MoreThan(0.0),
+       "Half width of the first search, around the predicted position. Without success the whole "
+       "image is searched."},
+      {"speed_change_share", &speed_change_share, "1/s", MoreThan(0.0),
+       "Sigma of the change of speed per second while nothing can be measured, as a share of the "
+       "largest speed of the part. What the wheels of a rover can do."},
+      {"turn_change_rad_per_s", &turn_change_rad_per_s, "rad/s", MoreThan(0.0),
+       "Sigma of the turn rate while nothing can be measured. What the wheels of a rover can do."},
   };
-  positive("keypoint_noise_px", keypoint_noise_px);
-  positive("disparity_noise_px", disparity_noise_px);
-  RequireOption(shared_noise >= 1.0, "odometry.shared_noise", "1 or more", shared_noise);
-  positive("max_sigmas", max_sigmas);
-  positive("stand_still_sigmas", stand_still_sigmas);
-  positive("search_radius_px", search_radius_px);
-  positive("speed_change_share", speed_change_share);
-  positive("turn_change_rad_per_s", turn_change_rad_per_s);
-  RequireOption(min_inliers >= 6, "odometry.min_inliers", "at least 6", min_inliers);
-  RequireOption(keyframe_min_seen_share >= 0.0 && keyframe_min_seen_share <= 1.0,
-                "odometry.keyframe_min_seen_share", "0 to 1", keyframe_min_seen_share);
-  RequireOption(keyframe_max_shift_share > 0.0 && keyframe_max_shift_share <= 1.0,
-                "odometry.keyframe_max_shift_share", "0 to 1", keyframe_max_shift_share);
 }
 
 }  // namespace rigmap

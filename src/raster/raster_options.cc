@@ -2,14 +2,20 @@
 
 namespace rigmap {
 
-void RasterOptions::Validate() const {
-  RequireOption(max_hole_cells >= 0 && max_hole_cells <= 100, "raster.max_hole_cells", "0 to 100",
-                max_hole_cells);
+OptionFields RasterOptions::Fields() {
+  return {
+      {"max_hole_cells", &max_hole_cells, "cells", AtLeast(0).UpTo(100),
+       "Widest and longest hole that is filled. Three: a voxel that missed its few observations, "
+       "and its neighbours. Wider holes are shadows and far ground, where a value would be a "
+       "guess."},
+  };
 }
 
-void PictureOptions::Validate() const {
-  RequireOption(picture_px >= 1000 && picture_px <= 4096, "raster.picture_px", "1000 to 4096",
-                picture_px);
+OptionFields PictureOptions::Fields() {
+  return {
+      {"picture_px", &picture_px, "px", AtLeast(1000).UpTo(4096),
+       "Longest side of a picture: fits a screen and a page."},
+  };
 }
 
 }  // namespace rigmap

@@ -5,22 +5,22 @@
 
 namespace rigmap {
 
+// What each option does and why it has its default: the declarations in raster_options.cc.
+
 struct RasterOptions {
-  // Widest and longest hole (cells) that is filled. Three: a voxel that missed its few
-  // observations, and its neighbours; wider holes are shadows and far ground, where a value would
-  // be a guess.
+  static constexpr const char* kSection = "raster";
+
   int max_hole_cells = 3;
 
-  OptionFields Fields() { return {{"max_hole_cells", &max_hole_cells}}; }
-  void Validate() const;  // throws UsageError
+  OptionFields Fields();
 };
 
 struct PictureOptions {
-  // Longest side of a picture (px): fits a screen and a page.
+  static constexpr const char* kSection = "raster";
+
   int picture_px = 1600;
 
-  OptionFields Fields() { return {{"picture_px", &picture_px}}; }
-  void Validate() const;  // throws UsageError
+  OptionFields Fields();
 };
 
 }  // namespace rigmap

@@ -102,7 +102,7 @@ void WriteTiles(PointBins& bins, int max_hole_cells, MapFile& height, MapFile& o
 RasterSummary WriteSurfaceRasters(const GriddedCloud& cloud, const fs::path& folder,
                                   const RasterOptions& options, const Georeference& georeference) {
   cloud.Validate();
-  options.Validate();
+  RequireValid(options);
   RasterSummary summary{FrameOf(cloud)};
   const ScratchFolder scratch(folder / "rasters.unfinished");
   const GdalSession session;

@@ -213,7 +213,7 @@ void WritePng(const cv::Mat3b& picture, const fs::path& path) {
 void WriteSurfaceViews(const GriddedCloud& cloud, const Trajectory& trajectory,
                        const fs::path& folder, const PictureOptions& options) {
   cloud.Validate();
-  options.Validate();
+  RequireValid(options);
   std::array<View, 3> views = Views(trajectory);
   CountExtents(cloud.ply, views);
   for (View& view : views) Frame(trajectory, options.picture_px, view);

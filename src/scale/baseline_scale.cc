@@ -62,16 +62,6 @@ Sim3 LayOn(const Rigid3& world_from_left, const Rigid3& model_from_left, double 
 
 }  // namespace
 
-OptionFields ScaleOptions::Fields() {
-  return {{"max_sigmas", &max_sigmas}, {"min_tolerated_share", &min_tolerated_share}};
-}
-
-void ScaleOptions::Validate() const {
-  RequireOption(max_sigmas > 0.0, "scale.max_sigmas", "more than 0", max_sigmas);
-  RequireOption(min_tolerated_share >= 0.0, "scale.min_tolerated_share", "0 or more",
-                min_tolerated_share);
-}
-
 std::optional<BaselineScale> MeasureBaseline(const SparseModel& model, double baseline_m,
                                              const ScaleOptions& options) {
   const std::map<int, double> distances = EyeDistances(model);

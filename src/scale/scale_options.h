@@ -5,14 +5,14 @@
 
 namespace rigmap {
 
+// What each option does and why it has its default: the declaration in scale_options.cc.
 struct ScaleOptions {
-  // A pair is rejected when its distance lies further from the median than so many robust sigmas,
-  // and further than the share: COLMAP's own noise on a healthy model is 0.1 to 0.9 %.
+  static constexpr const char* kSection = "scale";
+
   double max_sigmas = 5.0;
   double min_tolerated_share = 0.01;
 
   OptionFields Fields();
-  void Validate() const;  // throws UsageError
 };
 
 }  // namespace rigmap

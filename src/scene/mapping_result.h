@@ -1,17 +1,19 @@
 // What mapping made of a part's keyframes.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "scene/mapping_method.h"
 #include "scene/sparse_model.h"
 
 namespace rigmap {
 
 struct MappingResult {
-  std::vector<SparseModel> models;   // largest first, as in the folders
-  std::string method;                // of MappingOptions, that gave them
-  std::vector<std::string> remarks;  // what went otherwise than planned, a sentence each
+  std::vector<SparseModel> models;      // largest first, as in the folders
+  std::optional<MappingMethod> method;  // that gave them; nothing if there was nothing to map
+  std::vector<std::string> remarks;     // what went otherwise than planned, a sentence each
 
   template <class Archive>
   void serialize(Archive& archive) {

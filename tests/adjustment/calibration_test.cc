@@ -56,7 +56,8 @@ TEST_F(CalibrationTest, TheRightRigHasNothingToCorrect) {
 TEST_F(CalibrationTest, ATurnedRightEyeIsFoundByTheStep) {
   for (int axis = 0; axis < 3; ++axis) {
     TurnRight(kTurn_rad * Eigen::Vector3d::Unit(axis));
-    const Adjustment adjusted = Adjust(AllOf(rover_.world_from_left), {.refine_rig = "none"});
+    const Adjustment adjusted =
+        Adjust(AllOf(rover_.world_from_left), {.refine_rig = RigRefinement::kNone});
     ASSERT_TRUE(adjusted.calibration);
     const CalibrationStep step = RotationAndFocalStep(*adjusted.calibration).value();
     for (int i = 0; i < 3; ++i) {
@@ -69,7 +70,8 @@ TEST_F(CalibrationTest, ATurnedRightEyeIsFoundByTheStep) {
 
 TEST_F(CalibrationTest, AWrongFocalLengthIsFoundByTheStep) {
   ScaleFocals(1.005);
-  const Adjustment adjusted = Adjust(AllOf(rover_.world_from_left), {.refine_rig = "none"});
+  const Adjustment adjusted =
+      Adjust(AllOf(rover_.world_from_left), {.refine_rig = RigRefinement::kNone});
   const CalibrationStep step = RotationAndFocalStep(adjusted.calibration.value()).value();
   ExpectWithin(step.log_focal, step.log_focal_sigma, -std::log(1.005));
   EXPECT_GT(std::abs(step.log_focal), 3.0 * step.log_focal_sigma);
@@ -79,8 +81,8 @@ TEST_F(CalibrationTest, ARefinedRigMovesToTheTruthAndKeepsItsBaseline) {
   for (int axis = 0; axis < 3; ++axis) {
     TurnRight(kTurn_rad * Eigen::Vector3d::Unit(axis));
     const MaybePoses poses = AllOf(rover_.world_from_left);
-    const Adjustment held = Adjust(poses, {.refine_rig = "none"}),
-                     refined = Adjust(poses, {.refine_rig = "rotation"});
+    const Adjustment held = Adjust(poses, {.refine_rig = RigRefinement::kNone}),
+                     refined = Adjust(poses, {.refine_rig = RigRefinement::kRotation});
     EXPECT_NEAR(TurnLeft_rad(held.rig).norm(), kTurn_rad, 1e-9);
     EXPECT_LT(TurnLeft_rad(refined.rig).norm(), 0.1 * kTurn_rad);
     const Eigen::Vector3d centre = refined.rig.right_from_left.Inverse().translation;
@@ -92,17 +94,19 @@ TEST_F(CalibrationTest, ARefinedRigMovesToTheTruthAndKeepsItsBaseline) {
 TEST_F(CalibrationTest, APriorAsSureAsTheImagesMeetsThemHalfway) {
   TurnRight(kTurn_rad * Eigen::Vector3d::UnitX());
   const MaybePoses poses = AllOf(rover_.world_from_left);
-  const Adjustment free = Adjust(poses, {.refine_rig = "rotation", .rig_prior_deg = 10.0});
+  const Adjustment free =
+      Adjust(poses, {.refine_rig = RigRefinement::kRotation, .rig_prior_deg = 10.0});
   const double of_images_deg =
       RotationAndFocalStep(*free.calibration)->rig_rotation_sigma.x() / kDegree;
-  const Adjustment drawn = Adjust(
-      poses, {.refine_rig = "rotation", .rig_prior_deg = of_images_deg, .shared_noise = 1.0});
+  const Adjustment drawn = Adjust(poses, {.refine_rig = RigRefinement::kRotation,
+                                          .rig_prior_deg = of_images_deg,
+                                          .shared_noise = 1.0});
   // The sigma of the images comes out larger where the rig is not yet right.
   EXPECT_GT(TurnLeft_rad(drawn.rig).norm(), 0.4 * kTurn_rad);
   EXPECT_LT(TurnLeft_rad(drawn.rig).norm(), 0.97 * kTurn_rad);
-  const Adjustment held = Adjust(
-      poses,
-      {.refine_rig = "rotation", .rig_prior_deg = 0.05 * of_images_deg, .shared_noise = 1.0});
+  const Adjustment held = Adjust(poses, {.refine_rig = RigRefinement::kRotation,
+                                         .rig_prior_deg = 0.05 * of_images_deg,
+                                         .shared_noise = 1.0});
   EXPECT_GT(TurnLeft_rad(held.rig).norm(), 0.99 * kTurn_rad);
   EXPECT_GT(TurnLeft_rad(held.rig).norm(), TurnLeft_rad(drawn.rig).norm());
 }
@@ -138,14 +142,15 @@ TEST_F(CalibrationTest, APathShorterThanTheBaselineSaysNothing) {
 TEST_F(CalibrationTest, TurnsAloneLeaveTheFocalLength) {
   ScaleFocals(1.005);
   TurnRight(kTurn_rad * Eigen::Vector3d::UnitX());
-  const Adjustment turned = Adjust(AllOf(rover_.world_from_left), {.refine_rig = "rotation"});
+  const Adjustment turned =
+      Adjust(AllOf(rover_.world_from_left), {.refine_rig = RigRefinement::kRotation});
   EXPECT_EQ(turned.rig.left.camera.fx, rover_.rig.left.camera.fx);
   EXPECT_LT(TurnLeft_rad(turned.rig).norm(), 0.3 * kTurn_rad);
 }
 
 TEST_F(CalibrationTest, SigmasTakeInWhatTheRigIsNotKnownBy) {
   const MaybePoses poses = AllOf(rover_.world_from_left);
-  const Adjustment held = Adjust(poses, {.refine_rig = "none"});
+  const Adjustment held = Adjust(poses, {.refine_rig = RigRefinement::kNone});
   TurnRight(kTurn_rad * Eigen::Vector3d::UnitY());
   const Adjustment corrected = Adjust(poses);
   ASSERT_TRUE(corrected.IsRigCorrected());

@@ -30,7 +30,7 @@ StereoRig SmallRig() {
   return rig;
 }
 
-class DenseMatcherOnSand : public testing::TestWithParam<const char*> {
+class DenseMatcherOnSand : public testing::TestWithParam<DenseMethod> {
  protected:
   // As simulating takes most of the time.
   static void SetUpTestSuite() { shot_ = new SimulatedShot(SmallRig(), 17); }
@@ -72,10 +72,12 @@ class DenseMatcherOnSand : public testing::TestWithParam<const char*> {
   inline static SimulatedShot* shot_ = nullptr;
 };
 
-INSTANTIATE_TEST_SUITE_P(Methods, DenseMatcherOnSand, testing::Values("sgm", "bm"));
+INSTANTIATE_TEST_SUITE_P(Methods, DenseMatcherOnSand,
+                         testing::Values(DenseMethod::kSgm, DenseMethod::kBm),
+                         [](const auto& method) { return NameOf(method.param); });
 
 TEST_P(DenseMatcherOnSand, FindsTheSand) {
-  if (options_.method == std::string("bm")) options_.block_px = 15;
+  if (options_.method == DenseMethod::kBm) options_.block_px = 15;
   const DepthMap map = DenseMatcher(rig_, options_, {}).Compute(frame_);
   const std::vector<double> errors = Errors(map);
   ASSERT_GT(errors.size(), rig_.left.camera.width * rig_.left.camera.height * 0.5);
@@ -169,19 +171,27 @@ TEST(DenseOptions, DerivesTheRangeFromTheDepthSigma) {
 }
 
 TEST(DenseOptions, RefusesWhatMakesNoSense) {
-  EXPECT_NO_THROW(DenseOptions{}.Validate());
+  EXPECT_NO_THROW(RequireValid(DenseOptions{}));
   DenseOptions options;
-  options.method = "guess";
-  EXPECT_THROW(options.Validate(), UsageError);
-  options = {};
   options.block_px = 4;
-  EXPECT_THROW(options.Validate(), UsageError);
+  EXPECT_THROW(RequireValid(options), UsageError);
   options = {};
   options.refinement_px = 8;
-  EXPECT_THROW(options.Validate(), UsageError);
+  EXPECT_THROW(RequireValid(options), UsageError);
   options = {};
   options.least_sigma_px = 0.0;
-  EXPECT_THROW(options.Validate(), UsageError);
+  EXPECT_THROW(RequireValid(options), UsageError);
+  options = {};
+  options.block_px = 3;
+  EXPECT_NO_THROW(RequireValid(options));
+  options.method = DenseMethod::kBm;
+  EXPECT_THROW(RequireValid(options), UsageError);
+  options = {};
+  options.large_step_cost = options.small_step_cost;
+  EXPECT_THROW(RequireValid(options), UsageError);
+  options = {};
+  options.max_range_m = options.min_depth_m;
+  EXPECT_THROW(RequireValid(options), UsageError);
 }
 
 }  // namespace

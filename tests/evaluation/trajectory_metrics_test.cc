@@ -161,9 +161,9 @@ TEST(CompareTrajectories, MeasuresExtentFromTheFirstPose) {
 }
 
 TEST(EvaluationOptions, RefusesNegativeValues) {
-  EXPECT_THROW(EvaluationOptions{.max_dt_s = -1.0}.Validate(), UsageError);
-  EXPECT_THROW(EvaluationOptions{.segment_m = -1.0}.Validate(), UsageError);
-  EXPECT_NO_THROW(EvaluationOptions{}.Validate());
+  EXPECT_THROW(RequireValid(EvaluationOptions{.max_dt_s = -1.0}), UsageError);
+  EXPECT_THROW(RequireValid(EvaluationOptions{.segment_m = -1.0}), UsageError);
+  EXPECT_NO_THROW(RequireValid(EvaluationOptions{}));
 }
 
 }  // namespace

@@ -9,7 +9,7 @@ namespace {
 
 TEST(FeatureOptions, DefaultsAreValidAndReadBack) {
   FeatureOptions options;
-  EXPECT_NO_THROW(options.Validate());
+  EXPECT_NO_THROW(RequireValid(options));
   SetOption("features", "max_keypoints", "700", options.Fields());
   SetOption("features", "epipolar_band_px", "2.5", options.Fields());
   EXPECT_EQ(options.max_keypoints, 700);
@@ -20,8 +20,8 @@ TEST(FeatureOptions, EveryFieldIsChecked) {
   FeatureOptions defaults;
   for (const OptionField& field : defaults.Fields()) {
     FeatureOptions options;
-    SetOption("features", field.name, "-1", options.Fields());
-    EXPECT_THROW(options.Validate(), UsageError) << field.name;
+    EXPECT_THROW(SetOption("features", field.name, "-1", options.Fields()), UsageError)
+        << field.name;
   }
 }
 

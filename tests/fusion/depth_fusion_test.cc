@@ -289,13 +289,10 @@ TEST_F(FuseDepthMapsOfGround, LeavesNoScratchBehind) {
 }
 
 TEST(FusionOptions, RefusesWhatMakesNoSense) {
-  EXPECT_NO_THROW(FusionOptions{}.Validate());
-  FusionOptions options;
-  options.min_views = options.neighbours + 2;
-  EXPECT_THROW(options.Validate(), UsageError);
-  options = {};
-  options.better_view_share = 1.1;
-  EXPECT_THROW(options.Validate(), UsageError);
+  EXPECT_NO_THROW(RequireValid(FusionOptions{}));
+  EXPECT_NO_THROW(RequireValid(FusionOptions{.neighbours = 2, .min_views = 3}));
+  EXPECT_THROW(RequireValid(FusionOptions{.neighbours = 2, .min_views = 4}), UsageError);
+  EXPECT_THROW(RequireValid(FusionOptions{.better_view_share = 1.1}), UsageError);
 }
 
 }  // namespace

@@ -6,7 +6,6 @@
 #include <limits>
 #include <numbers>
 
-#include "core/error.h"
 #include "tests/support/synthetic_rover.h"
 
 namespace rigmap {
@@ -371,18 +370,6 @@ TEST(FailureReasonText, NamesWhatFailedWithValueLimitAndWhy) {
               AllOf(HasSubstr("gate b is 2.5, limit 1: too much of b; "), HasSubstr("gate d"),
                     Not(HasSubstr("interest")), Not(HasSubstr("gate c"))));
   EXPECT_EQ(FailureReason({}), "");
-}
-
-TEST(GateOptionsTest, MustBePositive) {
-  GateOptions options;
-  EXPECT_NO_THROW(options.Validate());
-  for (const OptionField& field : options.Fields()) {
-    double& value = *std::get<double*>(field.value);
-    const double good = value;
-    value = 0.0;
-    EXPECT_THROW(options.Validate(), UsageError) << field.name;
-    value = good;
-  }
 }
 
 }  // namespace

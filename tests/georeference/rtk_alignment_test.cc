@@ -211,7 +211,7 @@ TEST(RtkAlignment, RefusesOptionsOutOfRange) {
   EXPECT_THROW(AlignToRtk({}, {}, kAntennaInLeft, options), UsageError);
   options = {};
   options.max_place_sigma_m = 0.0;
-  EXPECT_THROW(options.Validate(), UsageError);
+  EXPECT_THROW(RequireValid(options), UsageError);
 }
 
 TEST(AntennaPath, PassesThePosesAndEndsWithThem) {

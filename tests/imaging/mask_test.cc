@@ -122,13 +122,13 @@ TEST(UsableMask, NeverAddsToTheStaticMask) {
 }
 
 TEST(MaskOptions, RefusesWhatMakesNoSense) {
-  EXPECT_NO_THROW(MaskOptions{}.Validate());
+  EXPECT_NO_THROW(RequireValid(MaskOptions{}));
   MaskOptions options;
   options.saturation_level = 0;
-  EXPECT_THROW(options.Validate(), UsageError);
+  EXPECT_THROW(RequireValid(options), UsageError);
   options = {};
   options.sky_lowest_share = 1.0;
-  EXPECT_THROW(options.Validate(), UsageError);
+  EXPECT_THROW(RequireValid(options), UsageError);
 }
 
 }  // namespace

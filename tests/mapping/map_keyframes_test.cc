@@ -109,7 +109,7 @@ class SeededOnGround : public MapKeyframesTest, public testing::WithParamInterfa
 TEST_P(SeededOnGround, RegistersAllAndKeepsTheEyesApartAlike) {
   Make({.frames = 12, .relief_m = GetParam(), .seed = 21});
   const MappingResult result = Map({});
-  EXPECT_EQ(result.method, "seeded");
+  EXPECT_EQ(result.method, MappingMethod::kSeeded);
   EXPECT_THAT(result.remarks, IsEmpty());
   ASSERT_EQ(result.models.size(), 1u);
   EXPECT_EQ(result.models[0].images.size(), 24u);
@@ -126,8 +126,8 @@ INSTANTIATE_TEST_SUITE_P(Ground, SeededOnGround, testing::Values(0.15, 0.0),
 
 TEST_F(MapKeyframesTest, TriangulatesOnTheOdometricPoses) {
   Make({.frames = 10, .seed = 22});
-  const MappingResult result = Map({.method = "triangulate"});
-  EXPECT_EQ(result.method, "triangulate");
+  const MappingResult result = Map({.method = MappingMethod::kTriangulate});
+  EXPECT_EQ(result.method, MappingMethod::kTriangulate);
   ASSERT_EQ(result.models.size(), 1u);
   ExpectFoldersLike(result);
   EXPECT_EQ(Keyframes(result.models[0]).size(), 10u);
@@ -142,8 +142,9 @@ TEST_F(MapKeyframesTest, TriangulatesOnTheOdometricPoses) {
 
 TEST_F(MapKeyframesTest, UnseededRunsWithStockOptions) {
   Make({.frames = 7, .step_m = 0.4, .relief_m = 0.3, .seed = 23});
-  const MappingResult result = Map({.method = "unseeded"}, {.tracks_per_keyframe = 100});
-  EXPECT_EQ(result.method, "unseeded");
+  const MappingResult result =
+      Map({.method = MappingMethod::kUnseeded}, {.tracks_per_keyframe = 100});
+  EXPECT_EQ(result.method, MappingMethod::kUnseeded);
   ASSERT_FALSE(result.models.empty());
   ExpectFoldersLike(result);
   for (std::size_t i = 1; i < result.models.size(); ++i) {
@@ -156,7 +157,7 @@ TEST_F(MapKeyframesTest, ACutPartIsSeededAnewAndJoinedByOdometry) {
   Make({.frames = 14, .seed = 24});
   CutBefore(5, part_.correspondences);
   const MappingResult result = Map({});
-  EXPECT_EQ(result.method, "seeded");
+  EXPECT_EQ(result.method, MappingMethod::kSeeded);
   ASSERT_EQ(result.models.size(), 2u);
   EXPECT_EQ(Keyframes(result.models[0]), (std::set<int>{5, 6, 7, 8, 9, 10, 11, 12, 13}));
   EXPECT_EQ(Keyframes(result.models[1]), (std::set<int>{0, 1, 2, 3, 4}));
@@ -186,7 +187,7 @@ TEST_F(MapKeyframesTest, WithoutASeedTheOdometricPosesAreTriangulated) {
     pair.matches.resize(pair.b == pair.a + 1 ? 20 : 0);
   }
   const MappingResult result = Map({});
-  EXPECT_EQ(result.method, "triangulate");
+  EXPECT_EQ(result.method, MappingMethod::kTriangulate);
   ASSERT_EQ(result.remarks.size(), 1u);
   EXPECT_THAT(result.remarks[0], HasSubstr("the odometric poses were triangulated"));
   ASSERT_EQ(result.models.size(), 1u);
@@ -201,9 +202,9 @@ TEST_F(MapKeyframesTest, WhenColmapMakesNoModelTheOdometricPosesAreTriangulated)
                               << "' \"$@\"\n";
   std::filesystem::permissions(At("colmap"), std::filesystem::perms::owner_all);
   colmap_.path = At("colmap").string();
-  for (const char* method : {"seeded", "unseeded"}) {
+  for (const auto method : {MappingMethod::kSeeded, MappingMethod::kUnseeded}) {
     const MappingResult result = Map({.method = method});
-    EXPECT_EQ(result.method, "triangulate");
+    EXPECT_EQ(result.method, MappingMethod::kTriangulate);
     ASSERT_GE(result.remarks.size(), 2u);
     EXPECT_THAT(result.remarks.front(), HasSubstr("led to no model: incremental mapping"));
     EXPECT_THAT(result.remarks.back(), HasSubstr("the odometric poses were triangulated"));
@@ -216,13 +217,14 @@ TEST_F(MapKeyframesTest, WhenColmapMakesNoModelTheOdometricPosesAreTriangulated)
 
 TEST_F(MapKeyframesTest, AColmapThatCannotRunIsAnError) {
   Make({.frames = 6, .points_per_m2 = 8.0, .seed = 29});
-  Map({.method = "triangulate"});
-  for (const char* method : {"seeded", "triangulate", "unseeded"}) {
+  Map({.method = MappingMethod::kTriangulate});
+  for (const auto method :
+       {MappingMethod::kSeeded, MappingMethod::kTriangulate, MappingMethod::kUnseeded}) {
     EXPECT_THROW(
         MapKeyframes({"false", "3.8"}, {graph_, part_.correspondences, part_.rover.rig, poses_},
                      Paths(), {.method = method}, 1),
         ToolError)
-        << method;
+        << NameOf(method);
   }
 }
 

@@ -9,7 +9,7 @@ namespace {
 
 TEST(MatchingOptions, DefaultsAreValidAndReadBack) {
   MatchingOptions options;
-  EXPECT_NO_THROW(options.Validate());
+  EXPECT_NO_THROW(RequireValid(options));
   SetOption("matching", "neighbours", "7", options.Fields());
   SetOption("matching", "min_overlap", "0.5", options.Fields());
   EXPECT_EQ(options.neighbours, 7);
@@ -20,9 +20,16 @@ TEST(MatchingOptions, EveryFieldIsChecked) {
   MatchingOptions defaults;
   for (const OptionField& field : defaults.Fields()) {
     MatchingOptions options;
-    SetOption("matching", field.name, "-1", options.Fields());
-    EXPECT_THROW(options.Validate(), UsageError) << field.name;
+    EXPECT_THROW(SetOption("matching", field.name, "-1", options.Fields()), UsageError)
+        << field.name;
   }
+}
+
+TEST(MatchingOptions, ARevisitAloneNeedsNoFewerInliersThanOneAmongOthers) {
+  EXPECT_NO_THROW(
+      RequireValid(MatchingOptions{.min_revisit_inliers = 20, .sure_revisit_inliers = 20}));
+  EXPECT_THROW(RequireValid(MatchingOptions{.min_revisit_inliers = 20, .sure_revisit_inliers = 19}),
+               UsageError);
 }
 
 }  // namespace

@@ -9,7 +9,7 @@ namespace {
 
 TEST(OdometryOptions, DefaultsAreValidAndReadBack) {
   OdometryOptions options;
-  EXPECT_NO_THROW(options.Validate());
+  EXPECT_NO_THROW(RequireValid(options));
   SetOption("odometry", "min_inliers", "30", options.Fields());
   SetOption("odometry", "keypoint_noise_px", "0.5", options.Fields());
   EXPECT_EQ(options.min_inliers, 30);
@@ -20,8 +20,8 @@ TEST(OdometryOptions, EveryFieldIsChecked) {
   OdometryOptions defaults;
   for (const OptionField& field : defaults.Fields()) {
     OdometryOptions options;
-    SetOption("odometry", field.name, "-1", options.Fields());
-    EXPECT_THROW(options.Validate(), UsageError) << field.name;
+    EXPECT_THROW(SetOption("odometry", field.name, "-1", options.Fields()), UsageError)
+        << field.name;
   }
 }
 

@@ -219,9 +219,9 @@ TEST_F(BaselineScaleTest, AModelWithoutAStereoPairIsLeftOut) {
 }
 
 TEST(ScaleOptions, DefaultsHoldAndNonsenseIsRefused) {
-  ScaleOptions{}.Validate();
-  EXPECT_THROW(ScaleOptions{.max_sigmas = 0.0}.Validate(), UsageError);
-  EXPECT_THROW(ScaleOptions{.min_tolerated_share = -0.1}.Validate(), UsageError);
+  RequireValid(ScaleOptions{});
+  EXPECT_THROW(RequireValid(ScaleOptions{.max_sigmas = 0.0}), UsageError);
+  EXPECT_THROW(RequireValid(ScaleOptions{.min_tolerated_share = -0.1}), UsageError);
 }
 
 }  // namespace

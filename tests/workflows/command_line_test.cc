@@ -47,10 +47,19 @@ TEST_F(CommandLine, HelpAndVersionGoToStandardOutput) {
   const ProgramEnd help = RunRigmap({"part", "--help"});
   EXPECT_EQ(help.exit_code, 0);
   EXPECT_EQ(help.err, "");
-  for (const char* option : {"--dataset", "--until", "--from", "--set", "--truth", "--force"}) {
-    EXPECT_THAT(help.out, HasSubstr(option));
+  for (const char* text : {"--dataset", "--until", "--from", "--set", "--truth", "--force",
+                           "rigmap options", "voxel_m=0.01"}) {
+    EXPECT_THAT(help.out, HasSubstr(text));
   }
   EXPECT_THAT(RunRigmap({"--version"}).out, ContainsRegex("^[0-9]+\\.[0-9]+\\.[0-9]+\n$"));
+}
+
+TEST_F(CommandLine, OptionsAreThoseOfTheDefaultFile) {
+  const ProgramEnd options = RunRigmap({"options"});
+  EXPECT_EQ(options.exit_code, 0);
+  EXPECT_EQ(options.out, ReadTextFile(RIGMAP_CONFIG "/default.yaml"));
+  EXPECT_THAT(RunRigmap({"options", "--format", "markdown"}).out, HasSubstr("\n## fusion\n"));
+  EXPECT_THAT(Fails(2, {"options", "--format", "html"}), HasSubstr("yaml or markdown"));
 }
 
 TEST_F(CommandLine, WrongUsageEndsWithTwo) {

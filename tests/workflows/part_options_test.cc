@@ -2,11 +2,15 @@
 
 #include <gmock/gmock.h>
 
+#include <set>
+
 #include "core/error.h"
 #include "core/file.h"
+#include "tests/support/changed_option.h"
 #include "tests/support/message_of.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/test_file.h"
+#include "workflows/print_options.h"
 
 namespace rigmap {
 namespace {
@@ -31,60 +35,58 @@ std::string UsageErrorOf(const std::string& assignment) {
   return MessageOf<UsageError>([&] { LoadPartOptions({}, {assignment}); });
 }
 
+// To make them anew: rigmap options > config/default.yaml
+//                    rigmap options --format markdown > docs/options.md
+TEST(DefaultFile, IsTheGeneratedOne) {
+  EXPECT_EQ(ReadTextFile(kDefaults), PrintOptions("yaml"));
+  EXPECT_EQ(ReadTextFile(RIGMAP_DOCS "/options.md"), PrintOptions("markdown"));
+}
+
 TEST(DefaultFile, GivesExactlyTheDefaults) {
   EXPECT_EQ(WritePartOptions(LoadPartOptions(kDefaults, {})), WritePartOptions(PartOptions()));
 }
 
-TEST(DefaultFile, ListsAllOptionsInOrderAndNoOther) {
-  const YamlNode file = ReadYaml(kDefaults);
+TEST(PrintOptionsTest, RefusesAnUnknownFormat) {
+  EXPECT_EQ(MessageOf<UsageError>([] { PrintOptions("html"); }),
+            "--format: expected yaml or markdown, found 'html'");
+}
+
+TEST(PartOptionsDeclaration, GivesEachOptionAReasonAndAName) {
   PartOptions options;
-  const auto sections = options.Sections();
-  ASSERT_EQ(file.entries.size(), sections.size());
-  for (std::size_t i = 0; i < sections.size(); ++i) {
-    const auto& [name, fields] = sections[i];
-    EXPECT_EQ(file.entries[i].first, name);
-    std::vector<std::string> listed, expected;
-    for (const auto& entry : file.entries[i].second.entries) listed.push_back(entry.first);
-    for (const OptionField& field : fields) expected.push_back(field.name);
-    EXPECT_EQ(listed, expected) << name;
+  for (const OptionSection& section : options.Sections()) {
+    EXPECT_FALSE(section.about.empty()) << section.name;
+    std::set<std::string> names;
+    for (const OptionField& field : section.fields) {
+      EXPECT_THAT(field.reason, testing::EndsWith(".")) << section.name << "." << field.name;
+      EXPECT_TRUE(names.insert(field.name).second) << section.name << "." << field.name;
+    }
   }
 }
 
-TEST(DefaultFile, ExplainsEverySectionAndOption) {
-  std::istringstream lines(ReadTextFile(kDefaults));
-  bool explained = false;
-  for (std::string line; std::getline(lines, line);) {
-    const auto first = line.find_first_not_of(' ');
-    if (first == std::string::npos) {
-      explained = false;
-    } else if (line[first] == '#') {
-      explained = true;
-    } else {
-      // A comment may hold for several options that follow it.
-      EXPECT_TRUE(explained) << line;
-      if (first == 0) explained = false;
+TEST(PartOptionsDeclaration, HasDefaultsInRange) { EXPECT_NO_THROW(PartOptions().Validate()); }
+
+TEST(PartOptionsDeclaration, LimitsEveryNumber) {
+  PartOptions options;
+  for (const OptionSection& section : options.Sections()) {
+    for (const OptionField& field : section.fields) {
+      if (std::holds_alternative<bool*>(field.value)) continue;
+      EXPECT_THAT(UsageErrorOf(section.name + "." + field.name + "=-1"),
+                  AllOf(HasSubstr("--set " + section.name + "." + field.name),
+                        HasSubstr("expected " + AllowedText(field)), HasSubstr("-1")));
     }
   }
 }
 
 TEST(PartOptionsText, ReadsBackWithEveryOptionChanged) {
   PartOptions options;
-  for (const auto& [name, fields] : options.Sections()) {
-    for (const OptionField& field : fields) {
-      std::visit(
-          [](auto* value) {
-            using Value = std::decay_t<decltype(*value)>;
-            if constexpr (std::is_same_v<Value, bool>) *value = !*value;
-            if constexpr (std::is_same_v<Value, int>) *value += 2;
-            if constexpr (std::is_same_v<Value, double>) *value = 0.93 * *value + 1e-3 / 3.0;
-          },
-          field.value);
+  for (const OptionSection& section : options.Sections()) {
+    for (const OptionField& field : section.fields) {
+      const std::string before = OptionValueText(field);
+      ChangeOption(field);
+      EXPECT_NE(OptionValueText(field), before) << section.name << "." << field.name;
     }
   }
-  options.dense.method = "bm";
   options.dense.max_range_m = 7.25;  // 0, or beyond the nearest depth
-  options.mapping.method = "triangulate";
-  options.adjustment.refine_rig = "rotation";
   const TemporaryFolder folder;
   const auto path = WriteTestFile(folder.Path() / "a.yaml", WritePartOptions(options));
   EXPECT_EQ(WritePartOptions(LoadPartOptions(path, {})), WritePartOptions(options));
@@ -109,7 +111,7 @@ TEST_F(PartOptionsFile, YieldsToAssignments) {
       Load("fusion: {voxel_m: 0.025, neighbours: 6}\n", {"fusion.voxel_m=0.05", "dense.method=bm"});
   EXPECT_EQ(options.voxel.voxel_m, 0.05);
   EXPECT_EQ(options.fusion.neighbours, 6);
-  EXPECT_EQ(options.dense.method, "bm");
+  EXPECT_EQ(options.dense.method, DenseMethod::kBm);
 }
 
 TEST_F(PartOptionsFile, NamesFileAndLineOfWhatItCannotUse) {
@@ -122,6 +124,14 @@ TEST_F(PartOptionsFile, NamesFileAndLineOfWhatItCannotUse) {
   EXPECT_THAT(DataErrorOf("fusion:\n  neighbours: 4.5\n"), HasSubstr("my.yaml:2"));
   EXPECT_THAT(DataErrorOf("fusion: 3\n"), HasSubstr("my.yaml:1"));
   EXPECT_THAT(DataErrorOf("- fusion\n- dense\n"), HasSubstr("my.yaml"));
+}
+
+TEST_F(PartOptionsFile, NamesFileAndLineOfWhatIsNotAllowed) {
+  EXPECT_EQ(MessageOf<UsageError>([&] { Load("dense:\n  method: magic\n"); }),
+            (folder_.Path() / "my.yaml").string() +
+                ":2: option method: expected sgm or bm, found 'magic'");
+  EXPECT_THAT(MessageOf<UsageError>([&] { Load("fusion: {voxel_m: 0}\n"); }),
+              HasSubstr("my.yaml:1: option voxel_m: expected 0.0001 to 1000, found 0"));
 }
 
 TEST(PartOptionsFileThatIsMissing, IsADataError) {
@@ -147,6 +157,11 @@ TEST(Assignment, OutOfRangeNamesTheOption) {
               AllOf(HasSubstr("dense.method"), HasSubstr("sgm")));
   EXPECT_THAT(UsageErrorOf("mapping.method=magic"), HasSubstr("mapping.method"));
   EXPECT_THAT(UsageErrorOf("gates.registered=0"), HasSubstr("gates.registered"));
+  // One option limits another.
+  EXPECT_THAT(UsageErrorOf("fusion.min_views=10"), HasSubstr("at most fusion.neighbours + 1"));
+  EXPECT_THAT(UsageErrorOf("dense.large_step_cost=8"), HasSubstr("dense.small_step_cost"));
+  EXPECT_THAT(UsageErrorOf("matching.sure_revisit_inliers=14"),
+              HasSubstr("matching.min_revisit_inliers"));
 }
 
 TEST(Assignment, MayHoldPointsAndEqualSignsInItsValue) {

@@ -132,7 +132,7 @@ TEST_F(PartSummaryTest, FailureIsTheReasonWhateverTheGatesSay) {
 
 TEST_F(PartSummaryTest, LeavesTheOptionsAsAConfiguration) {
   request_.options.voxel.voxel_m = 0.1 / 3.0;
-  request_.options.dense.method = "bm";
+  request_.options.dense.method = DenseMethod::kBm;
   Written(PartSummary(request_));
   EXPECT_EQ(WritePartOptions(LoadPartOptions(folder_.Path() / "config.yaml", {})),
             WritePartOptions(request_.options));
