@@ -186,7 +186,7 @@ struct Unfinished {
   ~Unfinished() { RemoveDatabase(path); }
 };
 
-DatabaseImage ReadImage(SQLite::Statement& row, const std::filesystem::path& path) {
+DatabaseImage ReadImageRow(SQLite::Statement& row, const std::filesystem::path& path) {
   DatabaseImage image{.id = row.getColumn(0).getUInt(),
                       .camera_id = row.getColumn(2).getUInt(),
                       .name = row.getColumn(1).getString(),
@@ -221,7 +221,7 @@ DatabasePair ReadPair(SQLite::Statement& row, const std::filesystem::path& path)
   return pair;
 }
 
-SparseCamera ReadCamera(SQLite::Statement& row, const std::filesystem::path& path) {
+SparseCamera ReadCameraRow(SQLite::Statement& row, const std::filesystem::path& path) {
   ColmapCamera camera{.model = row.getColumn(1).getInt(), .parameters = {}};
   const auto count = ParameterCount(camera.model);
   Require(count.has_value(), path,
@@ -282,11 +282,11 @@ DatabaseContent ReadDatabase(const std::filesystem::path& path) {
     SQLite::Database database(path.string(), SQLite::OPEN_READONLY);
     SQLite::Statement cameras(
         database, "SELECT camera_id, model, width, height, params FROM cameras ORDER BY camera_id");
-    while (cameras.executeStep()) content.cameras.push_back(ReadCamera(cameras, path));
+    while (cameras.executeStep()) content.cameras.push_back(ReadCameraRow(cameras, path));
     SQLite::Statement images(database,
                              "SELECT image_id, name, camera_id, rows, cols, data FROM images JOIN "
                              "keypoints USING (image_id) ORDER BY image_id");
-    while (images.executeStep()) content.images.push_back(ReadImage(images, path));
+    while (images.executeStep()) content.images.push_back(ReadImageRow(images, path));
     SQLite::Statement pairs(database,
                             "SELECT pair_id, rows, data FROM two_view_geometries ORDER BY pair_id");
     while (pairs.executeStep()) content.pairs.push_back(ReadPair(pairs, path));

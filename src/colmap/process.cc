@@ -38,7 +38,7 @@ void WriteAll(int fd, const char* data, std::size_t size, const std::filesystem:
   }
 }
 
-std::string CommandLine(const ProcessRequest& request) {
+std::string CommandText(const ProcessRequest& request) {
   std::string line = request.program;
   for (const auto& argument : request.arguments) {
     const bool plain = argument.find_first_of(" \t\"'\\$") == std::string::npos;
@@ -56,7 +56,7 @@ Descriptor OpenLog(const ProcessRequest& request) {
     throw DataError(
         fmt::format("{}: cannot write: {}", request.log_path.string(), std::strerror(errno)));
   }
-  const std::string heading = "$ " + CommandLine(request) + "\n";
+  const std::string heading = "$ " + CommandText(request) + "\n";
   WriteAll(log.Get(), heading.data(), heading.size(), request.log_path);
   return log;
 }
@@ -152,7 +152,7 @@ ProcessResult RunProcess(const ProcessRequest& request) {
 ProcessResult RunTool(const ProcessRequest& request, const std::string& purpose) {
   ProcessResult result = RunProcess(request);
   if (result.Succeeded()) return result;
-  std::string command = CommandLine(request);
+  std::string command = CommandText(request);
   if (command.size() > kLongestCommand) command = command.substr(0, kLongestCommand) + " ...";
   throw ToolError(fmt::format("{}: '{}' {} {}", purpose, command, DescribeEnd(result),
                               DescribeOutput(request, result)));

@@ -18,7 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::string_view kExpected =
+constexpr std::string_view kExpectedRow =
     "stamp, status, latitude and longitude or UTM metres, altitude and three sigmas";
 
 enum class Coordinates { kLatitudeFirst, kEastingFirst, kNorthingFirst };
@@ -39,7 +39,7 @@ std::optional<Coordinates> CoordinatesOf(double first, double second) {
                                                 : Coordinates::kNorthingFirst;
 }
 
-Row ParseRow(const std::string& text, int line) {
+Row ParseFix(const std::string& text, int line) {
   Row row{.line = line, .text = text};
   std::string_view rest = text;
   const auto stamp_ns = ParseStamp(NextWord(rest));
@@ -67,7 +67,7 @@ std::vector<Row> ParseRows(const std::string& text) {
   std::string line;
   for (int number = 1; std::getline(stream, line); ++number) {
     std::string_view words = line;
-    if (!NextWord(words).empty()) rows.push_back(ParseRow(line, number));
+    if (!NextWord(words).empty()) rows.push_back(ParseFix(line, number));
   }
   return rows;
 }
@@ -103,7 +103,7 @@ GnssReading ReadGnssFile(const fs::path& path) {
   if (!coordinates) {
     const Row first = rows.empty() ? Row{.line = 1} : rows.front();
     throw DataError(fmt::format("{}:{}: expected rows of {}, found '{}'", path.string(), first.line,
-                                kExpected, first.text));
+                                kExpectedRow, first.text));
   }
   GnssReading reading;
   std::vector<const Row*> left_out;
@@ -118,7 +118,7 @@ GnssReading ReadGnssFile(const fs::path& path) {
   if (!left_out.empty()) {
     reading.remarks.push_back(Legible(
         fmt::format("{}:{}: expected {}, the same in all rows, found '{}'; {} of {} rows left out",
-                    path.string(), left_out.front()->line, kExpected, left_out.front()->text,
+                    path.string(), left_out.front()->line, kExpectedRow, left_out.front()->text,
                     left_out.size(), rows.size())));
   }
   return reading;

@@ -18,7 +18,7 @@ namespace {
 constexpr StampNs kHalfWindowNs = 500'000'000;
 constexpr std::size_t kNumbersPerRow = 9;
 
-std::optional<InclinometerSample> ParseRow(std::string_view line) {
+std::optional<InclinometerSample> ParseSample(std::string_view line) {
   const auto stamp_ns = ParseStamp(NextWord(line));
   if (!stamp_ns) return std::nullopt;
   InclinometerSample sample;
@@ -66,7 +66,7 @@ InclinometerReading ReadInclinometer(const std::filesystem::path& imu_path,
     ++line_number;
     std::string_view words = line;
     if (NextWord(words).empty()) continue;
-    if (const auto row = ParseRow(line)) {
+    if (const auto row = ParseSample(line)) {
       AddToFrames(*row, frames, sums);
     } else if (malformed++ == 0) {
       first_malformed = line_number;

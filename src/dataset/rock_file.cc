@@ -52,7 +52,7 @@ struct RockRow {
   double first = 0.0, second = 0.0;
 };
 
-std::optional<RockRow> ParseRow(std::string_view line) {
+std::optional<RockRow> ParseRock(std::string_view line) {
   const auto first = ParseFinite(NextWord(line)), second = ParseFinite(NextWord(line));
   if (!first || !second || !NextWord(line).empty()) return std::nullopt;
   const auto columns = GridColumnsOf(*first, *second);
@@ -70,7 +70,7 @@ std::vector<SurveyedRock> ReadRockFile(const fs::path& path, RockSize size) {
   for (int number = 1; std::getline(stream, line); ++number) {
     std::string_view words = line;
     if (NextWord(words).empty()) continue;
-    const auto row = ParseRow(line);
+    const auto row = ParseRock(line);
     if (!row || row->columns != columns.value_or(row->columns)) {
       throw DataError(
           fmt::format("{}:{}: expected easting and northing in UTM 31N metres, in the same order "

@@ -11,21 +11,6 @@ namespace {
 
 constexpr std::size_t kPointsPerLeaf = 16;  // fewer cost memory, more cost time
 
-// The points as nanoflann wants to see them.
-template <class Point>
-struct Source {
-  std::span<const Point> points;
-
-  std::size_t kdtree_get_point_count() const { return points.size(); }
-  double kdtree_get_pt(std::uint32_t index, std::size_t axis) const {
-    return points[index][static_cast<Eigen::Index>(axis)];
-  }
-  template <class Box>
-  bool kdtree_get_bbox(Box&) const {
-    return false;
-  }
-};
-
 // nanoflann's result sets, with squared distances; a leaf may offer points that are too far.
 struct NearestFound {
   double squared_reach;
@@ -58,14 +43,27 @@ struct AllFound {
 
 template <class Point>
 struct PointTree<Point>::Index {
-  using Metric = nanoflann::L2_Simple_Adaptor<double, Source<Point>, double, std::uint32_t>;
-  using Tree = nanoflann::KDTreeSingleIndexAdaptor<Metric, Source<Point>, Point::SizeAtCompileTime,
-                                                   std::uint32_t>;
+  // The points as nanoflann wants to see them.
+  struct Source {
+    std::span<const Point> points;
+
+    std::size_t kdtree_get_point_count() const { return points.size(); }
+    double kdtree_get_pt(std::uint32_t index, std::size_t axis) const {
+      return points[index][static_cast<Eigen::Index>(axis)];
+    }
+    template <class Box>
+    bool kdtree_get_bbox(Box&) const {
+      return false;
+    }
+  };
+  using Metric = nanoflann::L2_Simple_Adaptor<double, Source, double, std::uint32_t>;
+  using Tree =
+      nanoflann::KDTreeSingleIndexAdaptor<Metric, Source, Point::SizeAtCompileTime, std::uint32_t>;
 
   explicit Index(std::span<const Point> points)
       : source{points}, tree(Point::SizeAtCompileTime, source, {kPointsPerLeaf}) {}
 
-  Source<Point> source;
+  Source source;
   Tree tree;
 };
 

@@ -12,7 +12,7 @@ constexpr double kHuber_m = 0.01;  // the noise of a map that is good: beyond, w
 constexpr int kRounds = 5;         // weights change in the fourth digit from then on
 // Neighbouring points were measured from the same windows of the images: so many count as one.
 constexpr double kPointsPerObservation = 25.0;
-constexpr double kMinResidual_m = 1e-9;
+constexpr double kLeastResidual_m = 1e-9;
 constexpr double kPseudoInverseRank = 1e-15;  // of the largest singular value
 
 // The solution of least length, as the system may be short of rank.
@@ -51,7 +51,7 @@ Equations BuildEquations(std::span<const RockMatch> matches, const Eigen::Vector
 // Square roots of Huber's weights.
 Eigen::VectorXd RootWeights(const Eigen::VectorXd& residual_m) {
   return residual_m.unaryExpr([](double r) {
-    return std::sqrt(std::min(1.0, kHuber_m / std::max(std::abs(r), kMinResidual_m)));
+    return std::sqrt(std::min(1.0, kHuber_m / std::max(std::abs(r), kLeastResidual_m)));
   });
 }
 

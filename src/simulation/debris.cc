@@ -10,8 +10,6 @@
 namespace rigmap {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-
 struct Looks {
   Eigen::Vector3f half_extent_m;  // along, across, up
   Eigen::Vector3f albedo;
@@ -38,7 +36,7 @@ Mesh Shape(const Looks& looks, const Eigen::Vector3d& place, HashSequence& rando
   Mesh mesh = Icosphere(1);
   mesh.albedo = looks.albedo;
   const Eigen::Matrix3f turn =
-      (Eigen::AngleAxisd(random.Between(0.0, 2.0 * kPi), Eigen::Vector3d::UnitZ()) *
+      (Eigen::AngleAxisd(random.Between(0.0, 2.0 * std::numbers::pi), Eigen::Vector3d::UnitZ()) *
        Eigen::AngleAxisd(random.Between(-0.25, 0.25), Eigen::Vector3d::UnitX()) *
        Eigen::AngleAxisd(random.Between(-0.1, 0.1), Eigen::Vector3d::UnitY()))
           .toRotationMatrix()

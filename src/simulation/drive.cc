@@ -13,15 +13,14 @@
 namespace rigmap {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr double kTrigger_s = 0.04;  // by which a pair may be early or late
 // When Katwijk's third traverse began, and about how long its parts are.
 constexpr StampNs kStart_ns = 1'448'551'418'849'000'000, kPartLength_ns = 145'743'000'000;
 
 double StartHeading(const SimulationRequest& request, const SceneOptions& scene) {
   // A U-turn ends in the opposite direction: there the sun is to stand.
-  if (request.path == "u-turn") return scene.sun_azimuth_rad + kPi;
-  return 0.5 * kPi + HashSequence(request.seed, 71).Between(-0.15, 0.15);
+  if (request.path == "u-turn") return scene.sun_azimuth_rad + std::numbers::pi;
+  return 0.5 * std::numbers::pi + HashSequence(request.seed, 71).Between(-0.15, 0.15);
 }
 
 bool HasShadow(const FaultPlan& faults) {
@@ -42,7 +41,8 @@ std::vector<double> FrameTimes(const SimulationRequest& request) {
 // Share of the image that glares when the camera looks so far past the sun.
 double GlareFromSun(double heading_rad, double sun_azimuth_rad) {
   constexpr double kMost = 0.25, kWidest_rad = 0.9, kNarrowest_rad = 0.35;
-  const double past_rad = std::abs(std::remainder(heading_rad - sun_azimuth_rad, 2.0 * kPi));
+  const double past_rad =
+      std::abs(std::remainder(heading_rad - sun_azimuth_rad, 2.0 * std::numbers::pi));
   const double t = std::clamp((kWidest_rad - past_rad) / (kWidest_rad - kNarrowest_rad), 0.0, 1.0);
   return kMost * t * t * (3.0 - 2.0 * t);
 }
@@ -80,7 +80,7 @@ DrivePlan PlanDrive(const SimulationRequest& request) {
                                   .interval_s = request.interval_s,
                                   .start_heading_rad = heading_rad});
   FaultPlan faults = PlanFaults(request.faults, request.pairs, request.seed, request.interval_s);
-  if (HasShadow(faults)) scene.sun_azimuth_rad = heading_rad + kPi + 0.22;
+  if (HasShadow(faults)) scene.sun_azimuth_rad = heading_rad + std::numbers::pi + 0.22;
   const SensorClock clock{kStart_ns + (request.part - 1) * kPartLength_ns, request.seed};
   return {scene, std::move(path), clock, FrameTimes(request), std::move(faults)};
 }
@@ -88,8 +88,9 @@ DrivePlan PlanDrive(const SimulationRequest& request) {
 std::vector<DriveFrame> FramesOf(const DrivePlan& plan, const RoverMotion& motion,
                                  const RoverMount& mount) {
   const bool turns_to_sun =
-      std::abs(std::remainder(plan.path.At(0.0).heading_rad - plan.scene.sun_azimuth_rad - kPi,
-                              2.0 * kPi)) < 1e-6;
+      std::abs(std::remainder(
+          plan.path.At(0.0).heading_rad - plan.scene.sun_azimuth_rad - std::numbers::pi,
+          2.0 * std::numbers::pi)) < 1e-6;
   std::vector<DriveFrame> frames;
   for (int i = 0; i < static_cast<int>(plan.frame_times_s.size()); ++i) {
     const double time_s = plan.frame_times_s[i];

@@ -15,7 +15,7 @@ namespace {
 
 // Of the right eye about an axis of its own; its place stays, and so does the baseline.
 template <int kAxis>
-void Turn(StereoRig& rig, double degrees) {
+void TurnRightEye(StereoRig& rig, double degrees) {
   Eigen::Vector3d turn = Eigen::Vector3d::Zero();
   turn[kAxis] = degrees * std::numbers::pi / 180.0;
   rig.right_from_left = Rigid3{ExpRotation(turn), Eigen::Vector3d::Zero()} * rig.right_from_left;
@@ -39,9 +39,9 @@ struct RigError {
 };
 
 constexpr std::array<RigError, 10> kRigErrors{{
-    {"turn-x", "degrees that the right eye is turned about its x axis (pitch)", &Turn<0>},
-    {"turn-y", "about its y axis (yaw)", &Turn<1>},
-    {"turn-z", "about its z axis (roll)", &Turn<2>},
+    {"turn-x", "degrees that the right eye is turned about its x axis (pitch)", &TurnRightEye<0>},
+    {"turn-y", "about its y axis (yaw)", &TurnRightEye<1>},
+    {"turn-z", "about its z axis (roll)", &TurnRightEye<2>},
     {"left-cx", "px, principal point of the left eye",
      [](StereoRig& rig, double px) { rig.left.camera.cx += px; }},
     {"left-cy", "", [](StereoRig& rig, double px) { rig.left.camera.cy += px; }},

@@ -8,7 +8,7 @@ namespace {
 
 constexpr double kGrid_s = 0.01;
 
-Eigen::Vector2d Direction(double heading_rad) {
+Eigen::Vector2d DirectionOf(double heading_rad) {
   return {std::cos(heading_rad), std::sin(heading_rad)};
 }
 
@@ -17,7 +17,7 @@ Eigen::Vector2d AlongArc(double length_m, double from_heading_rad, double to_hea
   const double half_rad = 0.5 * (to_heading_rad - from_heading_rad);
   const double chord_per_arc =
       std::abs(half_rad) < 1e-6 ? 1.0 - half_rad * half_rad / 6.0 : std::sin(half_rad) / half_rad;
-  return length_m * chord_per_arc * Direction(from_heading_rad + half_rad);
+  return length_m * chord_per_arc * DirectionOf(from_heading_rad + half_rad);
 }
 
 }  // namespace

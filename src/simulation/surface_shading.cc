@@ -13,9 +13,9 @@ namespace rigmap {
 namespace {
 
 constexpr int kNodes = SandTiles::kCells + 1;
-constexpr float kLift_m = 0.002f;         // above the surface, where shadow rays start
-constexpr float kSunRadius_rad = 0.012f;  // a low sun behind haze
-constexpr float kFinelyLit_m = 0.025f;    // cells up to this size get soft shadows
+constexpr float kShadowRayLift_m = 0.002f;  // above the surface, where shadow rays start
+constexpr float kSunRadius_rad = 0.012f;    // a low sun behind haze
+constexpr float kFinelyLit_m = 0.025f;      // cells up to this size get soft shadows
 
 // How far to look for what stands before the sun: as far as a boulder's shadow reaches, or a
 // dune's.
@@ -28,7 +28,7 @@ float ShadowReach(const Eigen::Vector3f& place, const LightSource& source) {
 // Share of the sun seen from a place.
 float SunVisible(const Eigen::Vector3f& place, const Eigen::Vector3f& normal,
                  const LightSource& source, bool is_soft) {
-  const Eigen::Vector3f origin = place + kLift_m * normal;
+  const Eigen::Vector3f origin = place + kShadowRayLift_m * normal;
   const float reach_m = ShadowReach(place, source);
   if (!is_soft) {
     return source.scene->IsOccluded({origin, source.sun_direction, 0.0f, reach_m}) ? 0.0f : 1.0f;

@@ -11,7 +11,6 @@
 namespace rigmap {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr double kBucket_m = 1.0;
 
 double SmoothStep(double low, double high, double x) {
@@ -54,8 +53,8 @@ struct TyreTrack {
 
   double Height(const Eigen::Vector2d& place, double cell_m) const {
     const Eigen::Vector2d offset = place - centre;
-    const double along_m =
-        radius_m * std::remainder(std::atan2(offset.y(), offset.x()) - first_rad, 2.0 * kPi);
+    const double along_m = radius_m * std::remainder(std::atan2(offset.y(), offset.x()) - first_rad,
+                                                     2.0 * std::numbers::pi);
     if (along_m < 0.0 || along_m > length_m) return 0.0;
     const double aside_m = std::abs(offset.norm() - radius_m) - 0.5 * kGauge_m;
     const double within = aside_m / (0.5 * kWidth_m);
@@ -64,9 +63,9 @@ struct TyreTrack {
     const double flat = std::exp(-within * within * within * within * within * within);
     const double shape =
         -flat + 0.4 * std::exp(-14.0 * (std::abs(within) - 1.3) * (std::abs(within) - 1.3));
-    const double lug =
-        flat * 0.35 *
-        std::tanh(3.0 * std::sin(2.0 * kPi * (along_m + 0.5 * std::abs(aside_m)) / kLug_m));
+    const double lug = flat * 0.35 *
+                       std::tanh(3.0 * std::sin(2.0 * std::numbers::pi *
+                                                (along_m + 0.5 * std::abs(aside_m)) / kLug_m));
     return ends * kDepth_m * (Kept(kWidth_m, cell_m) * shape + Kept(0.5 * kLug_m, cell_m) * lug);
   }
 };
@@ -123,7 +122,7 @@ Buckets<Footprint> WalkTrails(const TerrainOptions& options) {
   for (int i = 0; i < trails; ++i) {
     Eigen::Vector2d place(random.Between(-Terrain::kTrodden_m, Terrain::kTrodden_m),
                           random.Between(-Terrain::kTrodden_m, Terrain::kTrodden_m));
-    double heading = random.Between(0.0, 2.0 * kPi);
+    double heading = random.Between(0.0, 2.0 * std::numbers::pi);
     const double depth_m = random.Between(0.012, 0.03);
     for (int step = 0; step < kSteps; ++step) {
       const Eigen::Vector2d along(std::cos(heading), std::sin(heading)),
@@ -147,7 +146,7 @@ Buckets<TyreTrack> DriveTracks(const TerrainOptions& options) {
     const TyreTrack track{{random.Between(-1.2, 1.2) * Terrain::kTrodden_m,
                            random.Between(-1.2, 1.2) * Terrain::kTrodden_m},
                           random.Between(15.0, 60.0),
-                          random.Between(-kPi, kPi),
+                          random.Between(-std::numbers::pi, std::numbers::pi),
                           kLength_m};
     tracks.Add(track);
     for (double along_m = 0.0; along_m <= kLength_m; along_m += 0.5 * kBucket_m) {
@@ -189,7 +188,8 @@ struct Terrain::Impl {
         0.05 * GradientNoise(place.x() / 0.19, place.y() / 0.19, seed + 42).value;
     const double patch =
         0.55 + 0.45 * GradientNoise(place.x() / 1.3, place.y() / 1.3, seed + 43).value * 1.8;
-    const double phase = 2.0 * kPi * (0.8 * place.x() + 0.6 * place.y() + wander) / kLength_m;
+    const double phase =
+        2.0 * std::numbers::pi * (0.8 * place.x() + 0.6 * place.y() + wander) / kLength_m;
     return kept * std::clamp(patch, 0.0, 1.2) * (std::sin(phase + 0.45 * std::sin(phase)));
   }
 

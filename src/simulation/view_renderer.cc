@@ -21,8 +21,8 @@ using Colour = Eigen::Vector3f;
 // 19 degrees comes to about 0.4 times 1.
 const Colour kSun(1.95f, 1.82f, 1.60f);
 const Colour kSky(0.50f, 0.53f, 0.57f);
-constexpr float kLift_m = 0.003f;  // where rays towards the sun start
-constexpr float kSky_m = 1e6f;     // stands for the sky's distance
+constexpr float kSunRayLift_m = 0.003f;  // where rays towards the sun start
+constexpr float kSky_m = 1e6f;           // stands for the sky's distance
 constexpr std::uint32_t kNoThing = 0xFFFFFFFFu, kFirstBody = 0xFFFFFFF0u;
 
 }  // namespace
@@ -145,7 +145,7 @@ class ViewRenderer::View {
 
   Colour Lit(const rigmap::Look& look, Light light, const Eigen::Vector3f& place) const {
     if (!bodies_.empty() && light.visible > 0.0f &&
-        BodiesShade(place + Eigen::Vector3f(0.0f, 0.0f, kLift_m))) {
+        BodiesShade(place + Eigen::Vector3f(0.0f, 0.0f, kSunRayLift_m))) {
       light.sun = light.visible = 0.0f;
     }
     // Small relief tilts the surface; it faces the sky a little less on the whole.

@@ -85,8 +85,8 @@ std::array<double, 6> WheelDirections(const OdometrySample& sample) {
   return directions_rad;
 }
 
-void Drive(OdometrySample& sample, const OdometrySample& last, const PlanarState& state,
-           const std::array<double, 6>& slips, double step_s) {
+void DriveWheels(OdometrySample& sample, const OdometrySample& last, const PlanarState& state,
+                 const std::array<double, 6>& slips, double step_s) {
   const auto directions_rad = WheelDirections(sample);
   for (std::size_t i = 0; i < sample.drives.size(); ++i) {
     const Eigen::Vector2d direction(std::cos(directions_rad[i]), std::sin(directions_rad[i]));
@@ -152,7 +152,7 @@ std::vector<OdometrySample> SimulateWheelOdometry(const RoverMotion& motion,
     const double burst = BurstAt(slip_bursts, time_s);
     for (std::size_t k = 0; k < slips.size(); ++k) slips[k] += burst * traits.burst[k];
     Steer(sample, last, state, step_s);
-    Drive(sample, last, state, slips, step_s);
+    DriveWheels(sample, last, state, slips, step_s);
     Tilt(sample, motion.WheelHeights(time_s));
     samples.push_back(Read(sample, traits, noise));
     last = sample;

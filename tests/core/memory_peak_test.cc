@@ -12,13 +12,13 @@ namespace {
 TEST(MemoryPeak, RemembersWhatWasGivenBack) {
   MemoryPeak peak;
   const double before_mb = peak.Megabytes();
-  constexpr std::size_t kMegabytes = 200;
+  constexpr std::size_t kPeakMegabytes = 200;
   {
-    std::vector<char> block(kMegabytes << 20, 1);
+    std::vector<char> block(kPeakMegabytes << 20, 1);
     std::this_thread::sleep_for(std::chrono::milliseconds(200));
     EXPECT_EQ(block.back(), 1);
   }
-  EXPECT_GT(peak.Megabytes(), before_mb + 0.9 * kMegabytes);
+  EXPECT_GT(peak.Megabytes(), before_mb + 0.9 * kPeakMegabytes);
 }
 
 TEST(MemoryPeak, StartsAnew) {

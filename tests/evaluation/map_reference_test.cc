@@ -132,14 +132,14 @@ class MapReferenceScorer : public ReferenceScorerTest {
   std::optional<MapTruth> truth_;
 };
 
-Points Together(Points points, const Points& more) {
+Points Union(Points points, const Points& more) {
   points.insert(points.end(), more.begin(), more.end());
   return points;
 }
 
 TEST_F(MapReferenceScorer, AgreesOnANoisyMapWithStraysAndSecondRocks) {
   UseTruth("Part1");
-  const auto rocks = Compare(Together(Together(NoisySubsample(12), Strays(2000)), SecondRocks()));
+  const auto rocks = Compare(Union(Union(NoisySubsample(12), Strays(2000)), SecondRocks()));
   EXPECT_GT(rocks["rocks"], 2);
   EXPECT_GT(rocks["ghost_max_pct"], 10.0);
 }

@@ -30,7 +30,7 @@ Poses Drive(int count) {
   return poses;
 }
 
-Poses Moved(const Sim3& other_from_world, Poses poses) {
+Poses MovedPoses(const Sim3& other_from_world, Poses poses) {
   for (TumPose& pose : poses) {
     pose.world_from_body = TransformPose(other_from_world, pose.world_from_body);
   }
@@ -62,7 +62,7 @@ TEST(CompareTrajectories, DoesNotDependOnTheWorldOfTheEstimate) {
     pose.world_from_body = pose.world_from_body * random.Motion(0.02, 0.01);
   }
   const Rigid3 motion = random.Motion(100.0);
-  const Poses moved = Moved({1.0, motion.rotation, motion.translation}, estimate);
+  const Poses moved = MovedPoses({1.0, motion.rotation, motion.translation}, estimate);
   const TrajectoryMetrics before = CompareTrajectories(estimate, truth);
   const TrajectoryMetrics after = CompareTrajectories(moved, truth);
   EXPECT_GT(before.aligned->ate_se3_m, 1e-3);
@@ -76,7 +76,7 @@ TEST(CompareTrajectories, DoesNotDependOnTheWorldOfTheEstimate) {
 TEST(CompareTrajectories, ShowsAWrongScale) {
   const Poses truth = Drive(50);
   const Sim3 shrunk_from_true{1.0 / 1.01, ExpRotation({0.3, 0.2, -0.1}), {1.0, 2.0, 3.0}};
-  const TrajectoryMetrics metrics = CompareTrajectories(Moved(shrunk_from_true, truth), truth);
+  const TrajectoryMetrics metrics = CompareTrajectories(MovedPoses(shrunk_from_true, truth), truth);
   EXPECT_NEAR(metrics.aligned->scale.value(), 1.01, 1e-9);
   EXPECT_LT(metrics.aligned->ate_sim3_m.value(), 1e-9);
   EXPECT_GT(metrics.aligned->ate_se3_m, 0.001);

@@ -52,7 +52,7 @@ bool operator==(const SurfacePoint& a, const SurfacePoint& b) {
          a.observations == b.observations && a.sigma_m == b.sigma_m;
 }
 
-std::string ComplaintAbout(const std::string& bytes) {
+std::string ComplaintAboutPly(const std::string& bytes) {
   const TemporaryFolder folder;
   try {
     ReadPly(WriteTestFile(folder.Path() / "cloud.ply", bytes));
@@ -150,18 +150,18 @@ TEST(Ply, ReadsOtherTypesAndPassesOverOtherProperties) {
 TEST(Ply, NamesWhatItCannotRead) {
   SeededRandom random;
   const std::string good = Written(RandomCloud(random, 3), 3);
-  EXPECT_EQ(ComplaintAbout(good), "");
-  EXPECT_THAT(ComplaintAbout(good.substr(0, good.size() - 1)),
+  EXPECT_EQ(ComplaintAboutPly(good), "");
+  EXPECT_THAT(ComplaintAboutPly(good.substr(0, good.size() - 1)),
               HasSubstr("cloud.ply: expected 3 vertices of 33 bytes, found 98"));
-  EXPECT_THAT(ComplaintAbout(good.substr(0, 60)), HasSubstr("expected 'end_header'"));
-  EXPECT_THAT(ComplaintAbout("solid cube"), HasSubstr("cloud.ply: expected a PLY file"));
-  EXPECT_THAT(ComplaintAbout("ply\nformat ascii 1.0\nend_header\n"), HasSubstr("found 'ascii'"));
+  EXPECT_THAT(ComplaintAboutPly(good.substr(0, 60)), HasSubstr("expected 'end_header'"));
+  EXPECT_THAT(ComplaintAboutPly("solid cube"), HasSubstr("cloud.ply: expected a PLY file"));
+  EXPECT_THAT(ComplaintAboutPly("ply\nformat ascii 1.0\nend_header\n"), HasSubstr("found 'ascii'"));
   const std::string head = "ply\nformat binary_little_endian 1.0\n";
-  EXPECT_THAT(ComplaintAbout(head + "end_header\n"), HasSubstr("expected an element 'vertex'"));
-  EXPECT_THAT(ComplaintAbout(head + "element face 3\nend_header\n"), HasSubstr("found 'face'"));
-  EXPECT_THAT(ComplaintAbout(head + "element vertex 0\nproperty float x\nend_header\n"),
+  EXPECT_THAT(ComplaintAboutPly(head + "end_header\n"), HasSubstr("expected an element 'vertex'"));
+  EXPECT_THAT(ComplaintAboutPly(head + "element face 3\nend_header\n"), HasSubstr("found 'face'"));
+  EXPECT_THAT(ComplaintAboutPly(head + "element vertex 0\nproperty float x\nend_header\n"),
               HasSubstr("expected vertices with x, y and z"));
-  EXPECT_THAT(ComplaintAbout(head + "element vertex 0\nproperty list uchar int x\nend_header\n"),
+  EXPECT_THAT(ComplaintAboutPly(head + "element vertex 0\nproperty list uchar int x\nend_header\n"),
               HasSubstr("expected a property of fixed size, found 'list"));
   EXPECT_THROW(ReadPly("no/such/file.ply"), DataError);
 }

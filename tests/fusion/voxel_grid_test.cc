@@ -15,7 +15,7 @@
 namespace rigmap {
 namespace {
 
-constexpr double kVoxelM = 0.01;
+constexpr double kCellM = 0.01;
 
 SurfaceSample SampleAt(const Eigen::Vector3d& x, float sigma_m = 0.01F) {
   SurfaceSample sample;
@@ -27,7 +27,7 @@ SurfaceSample SampleAt(const Eigen::Vector3d& x, float sigma_m = 0.01F) {
 }
 
 PointCloud PointsOf(const std::vector<SurfaceSample>& samples, int min_observations = 1) {
-  VoxelGrid grid(kVoxelM);
+  VoxelGrid grid(kCellM);
   for (const SurfaceSample& sample : samples) grid.Add(sample);
   return grid.Points(min_observations, 1.0);
 }
@@ -54,12 +54,12 @@ TEST(VoxelGrid, KeepsEveryCubeApart) {
   for (int i = 0; i < 200000; ++i) {
     const Eigen::Vector3d cube(i % 100 - 50, i / 100 % 100 - 50, i / 10000 - 10);
     const Eigen::Vector3d inside = Eigen::Vector3d::Constant(0.5) + random.Vector(0.49);
-    samples.push_back(SampleAt(kVoxelM * (cube + inside)));
+    samples.push_back(SampleAt(kCellM * (cube + inside)));
   }
   const PointCloud points = PointsOf(samples);
   ASSERT_EQ(points.size(), samples.size());
   const auto cube_of = [](const SurfacePoint& point) {
-    const Eigen::Vector3d cube = (point.x_in_world.cast<double>() / kVoxelM).array().floor();
+    const Eigen::Vector3d cube = (point.x_in_world.cast<double>() / kCellM).array().floor();
     return std::vector<double>(cube.data(), cube.data() + 3);
   };
   EXPECT_TRUE(std::is_sorted(points.begin(), points.end(), [&](const auto& a, const auto& b) {
@@ -76,7 +76,7 @@ TEST(VoxelGrid, DropsWhatWasSeenTooRarely) {
 }
 
 TEST(VoxelGrid, DropsWhatIsTooUncertain) {
-  VoxelGrid grid(kVoxelM);
+  VoxelGrid grid(kCellM);
   grid.Add(SampleAt({0.005, 0.005, 0.005}, 0.01F));
   grid.Add(SampleAt({1.005, 0.005, 0.005}, 0.03F));
   EXPECT_EQ(grid.Points(1, 0.02).size(), 1U);
@@ -105,7 +105,7 @@ void ExpectEqual(const PointCloud& found, const PointCloud& expected) {
 TEST(VoxelGrid, GoesOnAfterSaveAndLoadAsIfNothingHadBeen) {
   SeededRandom random;
   const TemporaryFolder folder;
-  VoxelGrid saved(kVoxelM), loaded(kVoxelM);
+  VoxelGrid saved(kCellM), loaded(kCellM);
   for (const SurfaceSample& sample : RandomSamples(random, 20000)) saved.Add(sample);
   saved.Save(folder.Path() / "voxels");
   loaded.Load(folder.Path() / "voxels");
@@ -121,15 +121,15 @@ TEST(VoxelGrid, GoesOnAfterSaveAndLoadAsIfNothingHadBeen) {
 
 TEST(VoxelGrid, SavesAndLoadsAnEmptyGrid) {
   const TemporaryFolder folder;
-  VoxelGrid(kVoxelM).Save(folder.Path() / "voxels");
-  VoxelGrid loaded(kVoxelM);
+  VoxelGrid(kCellM).Save(folder.Path() / "voxels");
+  VoxelGrid loaded(kCellM);
   loaded.Load(folder.Path() / "voxels");
   EXPECT_EQ(loaded.VoxelCount(), 0U);
 }
 
 TEST(VoxelGrid, NamesAFileThatHoldsNoVoxels) {
   const TemporaryFolder folder;
-  VoxelGrid grid(kVoxelM);
+  VoxelGrid grid(kCellM);
   for (const auto& path : {folder.Path() / "missing", folder.Write("text", "no voxels at all"),
                            folder.Write("empty", "")}) {
     EXPECT_THAT(MessageOf<DataError>([&] { grid.Load(path); }), testing::HasSubstr(path.string()));

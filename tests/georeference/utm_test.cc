@@ -15,7 +15,7 @@
 namespace rigmap {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr double kNoNumber = std::numeric_limits<double>::quiet_NaN();
 constexpr double kDegree = std::numbers::pi / 180.0;
 
 Geodetic RandomPlaceOfTheZone(SeededRandom& random) {
@@ -90,11 +90,11 @@ TEST(Utm31, HeightAndFullTurnsChangeNothing) {
 TEST(Utm31, RefusesWhatIsNotNear) {
   EXPECT_THROW(ToUtm31({90.5, 3.0, 0.0}), DataError);
   EXPECT_THROW(ToUtm31({52.0, 40.0, 0.0}), DataError);
-  EXPECT_THROW(ToUtm31({52.0, kNan, 0.0}), DataError);
-  EXPECT_THROW(FromUtm31(kNan, 5.0e6, 0.0), DataError);
+  EXPECT_THROW(ToUtm31({52.0, kNoNumber, 0.0}), DataError);
+  EXPECT_THROW(FromUtm31(kNoNumber, 5.0e6, 0.0), DataError);
   EXPECT_THROW(FromUtm31(5.0e5, 2.0e7, 0.0), DataError);
   EXPECT_THROW(FromUtm31(9.0e6, 5.0e6, 0.0), DataError);
-  EXPECT_THROW(FromUtm31(5.0e5, 5.0e6, kNan), DataError);
+  EXPECT_THROW(FromUtm31(5.0e5, 5.0e6, kNoNumber), DataError);
 }
 
 TEST(Utm31, AgreesWithGeoConvert) {

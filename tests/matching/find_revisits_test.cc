@@ -36,8 +36,8 @@ Odometry Drifting(const SyntheticRover& rover) {
   return OdometryOfKeyframes(rover, poses);
 }
 
-Correspondences Match(const SyntheticRover& rover, const Odometry& odometry,
-                      const MatchingOptions& options = {}) {
+Correspondences MatchRover(const SyntheticRover& rover, const Odometry& odometry,
+                           const MatchingOptions& options = {}) {
   return MatchFrames(
       odometry, [&](int frame) { return rover.frames[frame]; }, rover.rig, options);
 }
@@ -47,8 +47,8 @@ TEST(FindRevisits, FindsWhatTheOdometryDoesNotKnow) {
   const Odometry odometry = Drifting(rover);
   MatchingOptions blind;
   blind.revisit_candidates = 0;
-  EXPECT_TRUE(Match(rover, odometry, blind).revisits.empty());
-  const Correspondences found = Match(rover, odometry);
+  EXPECT_TRUE(MatchRover(rover, odometry, blind).revisits.empty());
+  const Correspondences found = MatchRover(rover, odometry);
   ASSERT_GE(found.revisits.size(), 3u);
   for (const Revisit& revisit : found.revisits) {
     EXPECT_TRUE(revisit.by_appearance);
@@ -72,7 +72,8 @@ TEST(FindRevisits, FindsWhatTheOdometryDoesNotKnow) {
 TEST(FindRevisits, NoPairIsMatchedTwice) {
   const SyntheticRover rover = CircleAndOn();
   // Without drift odometry and looks lead to the same places.
-  const Correspondences found = Match(rover, OdometryOfKeyframes(rover, rover.world_from_left));
+  const Correspondences found =
+      MatchRover(rover, OdometryOfKeyframes(rover, rover.world_from_left));
   std::vector<std::pair<int, int>> pairs;
   for (const FramePair& pair : found.pairs) pairs.emplace_back(pair.a, pair.b);
   std::ranges::sort(pairs);
@@ -92,7 +93,7 @@ TEST(FindRevisits, ALookalikeElsewhereIsNotBelieved) {
           others[static_cast<std::size_t>(random.Uniform(0.0, static_cast<double>(others.size())))];
     }
   }
-  for (const Revisit& revisit : Match(rover, Drifting(rover)).revisits) {
+  for (const Revisit& revisit : MatchRover(rover, Drifting(rover)).revisits) {
     EXPECT_LT(revisit.b, 18) << revisit.a;
   }
 }
@@ -105,7 +106,7 @@ TEST(FindRevisits, AStraightWayHasNone) {
                                                    .points_per_m2 = 8.0,
                                                    .textured_patches = true});
   const Odometry odometry = OdometryOfKeyframes(rover, DriftingPoses(rover, 0.004, 0.002, random));
-  for (const Revisit& revisit : Match(rover, odometry).revisits) {
+  for (const Revisit& revisit : MatchRover(rover, odometry).revisits) {
     const Rigid3 true_motion =
         rover.world_from_left[revisit.b].Inverse() * rover.world_from_left[revisit.a];
     EXPECT_LT((revisit.b_from_a * true_motion.Inverse()).translation.norm(), 0.05);

@@ -9,21 +9,21 @@
 namespace rigmap {
 namespace {
 
-constexpr double kPixelSigma = 0.1;
-constexpr double kMaxPosition_m = 0.02;  // of poses over a few keyframes, see track_frames_test.cc
+constexpr double kNoise_px = 0.1;
+constexpr double kMaxOffset_m = 0.02;  // of poses over a few keyframes, see track_frames_test.cc
 
-Odometry Track(const SyntheticRover& rover) {
+Odometry TrackRover(const SyntheticRover& rover) {
   const auto features = [&](int frame) { return rover.frames[frame]; };
   return TrackFrames(static_cast<int>(rover.frames.size()), features, rover.rig, {});
 }
 
 // Frames that cannot carry others are no start: they come last, backwards from the one that can.
 TEST(TrackFrames, StartsWithTheFirstFrameThatCanCarryOthers) {
-  SyntheticRover rover = MakeSyntheticRover({.frames = 12, .pixel_sigma = kPixelSigma});
+  SyntheticRover rover = MakeSyntheticRover({.frames = 12, .pixel_sigma = kNoise_px});
   for (int frame : {0, 1, 2}) {
     rover.frames[frame] = FrameFeatures{.stamp_ns = rover.frames[frame].stamp_ns};
   }
-  const Odometry odometry = Track(rover);
+  const Odometry odometry = TrackRover(rover);
   EXPECT_TRUE(odometry[3].keyframe);
   EXPECT_EQ(odometry[3].reference, 3);
   for (int i = 2; i >= 0; --i) {
@@ -41,24 +41,24 @@ TEST(TrackFrames, StartsWithTheFirstFrameThatCanCarryOthers) {
     EXPECT_EQ(odometry[i].source, PoseSource::kOdometry);
     EXPECT_GE(odometry[i].reference, 3);
     const Rigid3 truth = rover.world_from_left[3].Inverse() * rover.world_from_left[i];
-    EXPECT_LT((odometry[i].world_from_left.translation - truth.translation).norm(), kMaxPosition_m);
+    EXPECT_LT((odometry[i].world_from_left.translation - truth.translation).norm(), kMaxOffset_m);
   }
 }
 
 // A frame with one eye has no stereo points to carry others, but others can carry it.
 TEST(TrackFrames, PosesOneEyedFramesBeforeTheFirst) {
-  SyntheticRover rover = MakeSyntheticRover({.frames = 8, .pixel_sigma = kPixelSigma});
+  SyntheticRover rover = MakeSyntheticRover({.frames = 8, .pixel_sigma = kNoise_px});
   for (int frame : {0, 1}) {
     for (Feature& feature : rover.frames[frame].features) feature.right.reset();
   }
-  const Odometry odometry = Track(rover);
+  const Odometry odometry = TrackRover(rover);
   EXPECT_EQ(odometry[2].reference, 2);
   for (int i : {0, 1}) {
     EXPECT_EQ(odometry[i].source, PoseSource::kOdometry);
     EXPECT_EQ(odometry[i].reference, 2);
     EXPECT_FALSE(odometry[i].keyframe);
     const Rigid3 truth = rover.world_from_left[2].Inverse() * rover.world_from_left[i];
-    EXPECT_LT((odometry[i].world_from_left.translation - truth.translation).norm(), kMaxPosition_m);
+    EXPECT_LT((odometry[i].world_from_left.translation - truth.translation).norm(), kMaxOffset_m);
   }
 }
 

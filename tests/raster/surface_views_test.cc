@@ -22,7 +22,7 @@ namespace {
 using testing::HasSubstr;
 using testing::UnorderedElementsAre;
 
-constexpr double kCell = 0.01;  // m
+constexpr double kViewCell = 0.01;  // m
 
 Trajectory Path(const std::vector<Eigen::Vector3d>& places) {
   Trajectory trajectory;
@@ -79,7 +79,7 @@ int BarPx(const cv::Mat3b& picture) {
 class Views : public testing::Test {
  protected:
   void Write(const PointCloud& cloud, const Trajectory& trajectory) {
-    WriteSurfaceViews({WriteCloud(folder_.Path() / "dense.ply", cloud), kCell}, trajectory,
+    WriteSurfaceViews({WriteCloud(folder_.Path() / "dense.ply", cloud), kViewCell}, trajectory,
                       folder_.Path(), options_);
   }
   cv::Mat3b Picture(const std::string& name) {
@@ -150,7 +150,7 @@ TEST(RangeCounter, LeavesOutStraysOnly) {
 }
 
 TEST_F(Views, HaveTheSizeAskedForWithPathAndScale) {
-  Write(MapCloud(kCell), PathAlongX());
+  Write(MapCloud(kViewCell), PathAlongX());
   EXPECT_THAT(NamesIn(folder_.Path()), UnorderedElementsAre("dense.ply", "view_top.png",
                                                             "view_side.png", "view_oblique.png"));
   for (const std::string name : {"view_top.png", "view_side.png", "view_oblique.png"}) {
@@ -167,7 +167,7 @@ TEST_F(Views, HaveTheSizeAskedForWithPathAndScale) {
 }
 
 TEST_F(Views, ShowPlacesWhereTheScaleSaysTheyAre) {
-  Write(MapCloud(kCell), PathAlongX());
+  Write(MapCloud(kViewCell), PathAlongX());
   const cv::Mat3b picture = Picture("view_top.png");
   // The cloud is 4 m wide (and up to a step of 5 cm at either end), so a quarter takes 1 m.
   const double px_per_m = BarPx(picture) / 1.0;
@@ -181,7 +181,7 @@ TEST_F(Views, ShowPlacesWhereTheScaleSaysTheyAre) {
 }
 
 TEST_F(Views, ShowHeightsFromTheSideUnexaggerated) {
-  Write(MapCloud(kCell), PathAlongX());
+  Write(MapCloud(kViewCell), PathAlongX());
   const cv::Mat3b picture = Picture("view_side.png");
   const double px_per_m = BarPx(picture) / 1.0;
   const auto start = [](const cv::Vec3b& pixel) { return Alike(pixel, kStartColour); };
@@ -206,7 +206,7 @@ TEST_F(Views, ShowHeightsFromTheSideUnexaggerated) {
 
 TEST_F(Views, TurnWithThePathNotWithTheWorld) {
   // Driven along y: from the side, y goes to the right.
-  Write(MapCloud(kCell), Path({{0.0, -0.4, 0.0}, {0.0, 1.4, 0.0}}));
+  Write(MapCloud(kViewCell), Path({{0.0, -0.4, 0.0}, {0.0, 1.4, 0.0}}));
   const cv::Mat3b picture = Picture("view_side.png");
   const auto start = [](const cv::Vec3b& pixel) { return Alike(pixel, kStartColour); };
   const auto end = [](const cv::Vec3b& pixel) { return Alike(pixel, kPathColour); };
@@ -216,7 +216,7 @@ TEST_F(Views, TurnWithThePathNotWithTheWorld) {
 }
 
 TEST_F(Views, LeaveNoHolesInAClosedSurface) {
-  Write(MapCloud(kCell), {});
+  Write(MapCloud(kViewCell), {});
   const cv::Mat3b picture = Picture("view_top.png");
   const auto empty = [](const cv::Vec3b& pixel) { return Alike(pixel, kBackgroundColour); };
   // Besides the margins, a step of the extent (5 cm) on each side.
@@ -251,7 +251,7 @@ TEST_F(Views, RefuseOptionsOutOfRange) {
 TEST_F(Views, RefuseBadCloudsByName) {
   const auto complaint = [&] {
     return MessageOf<DataError>([&] {
-      WriteSurfaceViews({folder_.Path() / "dense.ply", kCell}, PathAlongX(), folder_.Path(),
+      WriteSurfaceViews({folder_.Path() / "dense.ply", kViewCell}, PathAlongX(), folder_.Path(),
                         options_);
     });
   };

@@ -15,7 +15,6 @@ namespace {
 
 using testing::HasSubstr;
 
-constexpr double kPi = std::numbers::pi;
 constexpr StampNs kMillisecondNs = 1'000'000;
 
 SimulationRequest Request(const std::string& path, int pairs = 40) {
@@ -34,8 +33,8 @@ std::vector<DriveFrame> FramesOnFlatGround(const DrivePlan& plan) {
 // Between the direction of a camera and that of the sun, on the plane.
 double AnglePastSun(const DriveFrame& frame, const DrivePlan& plan) {
   const Eigen::Vector3d ahead = frame.world_from_left.rotation * Eigen::Vector3d::UnitZ();
-  return std::abs(
-      std::remainder(std::atan2(ahead.y(), ahead.x()) - plan.scene.sun_azimuth_rad, 2.0 * kPi));
+  return std::abs(std::remainder(std::atan2(ahead.y(), ahead.x()) - plan.scene.sun_azimuth_rad,
+                                 2.0 * std::numbers::pi));
 }
 
 TEST(Drive, StampsAreWholeMillisecondsAndIncrease) {
@@ -80,14 +79,14 @@ TEST(Drive, CamerasRideAtTheirHeightAndLookDown) {
   for (const DriveFrame& frame : FramesOnFlatGround(PlanDrive(Request("loop")))) {
     EXPECT_NEAR(frame.world_from_left.translation.z(), 1.1, 0.01);
     const Eigen::Vector3d ahead = frame.world_from_left.rotation * Eigen::Vector3d::UnitZ();
-    EXPECT_NEAR(-std::asin(ahead.z()), 17.95 * kPi / 180.0, 0.002);
+    EXPECT_NEAR(-std::asin(ahead.z()), 17.95 * std::numbers::pi / 180.0, 0.002);
   }
 }
 
 TEST(Drive, UTurnEndsTowardsTheSunAndGlaresThere) {
   const DrivePlan plan = PlanDrive(Request("u-turn"));
   const auto frames = FramesOnFlatGround(plan);
-  EXPECT_NEAR(AnglePastSun(frames.front(), plan), kPi, 0.02);
+  EXPECT_NEAR(AnglePastSun(frames.front(), plan), std::numbers::pi, 0.02);
   EXPECT_NEAR(AnglePastSun(frames.back(), plan), 0.0, 0.02);
   EXPECT_NEAR(frames.back().fault.glare_area, 0.25, 1e-9);
   int glaring = 0;
@@ -123,7 +122,7 @@ TEST(Drive, OwnShadowHasTheSunBehind) {
     SimulationRequest request = Request(path);
     request.faults = {"shadow=1"};
     const DrivePlan plan = PlanDrive(request);
-    EXPECT_NEAR(AnglePastSun(FramesOnFlatGround(plan).front(), plan), kPi, 0.3);
+    EXPECT_NEAR(AnglePastSun(FramesOnFlatGround(plan).front(), plan), std::numbers::pi, 0.3);
     EXPECT_GT(plan.scene.SunDirection().z(), 0.1);
   }
 }

@@ -15,7 +15,7 @@ namespace {
 
 const Geodetic kOrigin{52.2141, 4.4004, 4.08};
 
-std::vector<Boulder> ManyBoulders() {
+std::vector<Boulder> BouldersInARow() {
   std::vector<Boulder> boulders;
   const char* sizes[] = {"small", "medium", "large"};
   for (int i = 0; i < 300; ++i) {
@@ -37,7 +37,7 @@ std::vector<Eigen::Vector2d> ReadRows(const std::filesystem::path& file) {
 TEST(RockFiles, RowsAreTheBouldersOfTheirSizeWithinTheSurveysError) {
   const TemporaryFolder folder;
   const LocalFrame local(kOrigin);
-  const auto boulders = ManyBoulders();
+  const auto boulders = BouldersInARow();
   WriteRockFiles(folder.Path(), 3, boulders, local, 1);
   double sum2 = 0.0;
   for (int size = 0; size < 3; ++size) {
@@ -61,17 +61,17 @@ TEST(RockFiles, FirstTraversesShareTheirFiles) {
   const LocalFrame local(kOrigin);
   const auto file = folder.Path() / "Rock Data" / "Rock Positions Traverse 1 and 2" /
                     "large-rocks-traverse12.txt";
-  WriteRockFiles(folder.Path(), 1, ManyBoulders(), local, 4);
+  WriteRockFiles(folder.Path(), 1, BouldersInARow(), local, 4);
   const std::string first = ReadTextFile(file);
-  WriteRockFiles(folder.Path(), 2, ManyBoulders(), local, 4);
+  WriteRockFiles(folder.Path(), 2, BouldersInARow(), local, 4);
   EXPECT_EQ(ReadTextFile(file), first);
-  WriteRockFiles(folder.Path(), 2, ManyBoulders(), local, 5);
+  WriteRockFiles(folder.Path(), 2, BouldersInARow(), local, 5);
   EXPECT_NE(ReadTextFile(file), first);
 }
 
 TEST(RockFiles, RefuseOtherTraverses) {
   const TemporaryFolder folder;
-  EXPECT_THROW(WriteRockFiles(folder.Path(), 4, ManyBoulders(), LocalFrame(kOrigin), 1),
+  EXPECT_THROW(WriteRockFiles(folder.Path(), 4, BouldersInARow(), LocalFrame(kOrigin), 1),
                UsageError);
   EXPECT_TRUE(std::filesystem::is_empty(folder.Path()));
 }

@@ -11,7 +11,7 @@
 namespace rigmap {
 namespace {
 
-const SensorClock kClock{ParseKatwijkStamp("2015_11_26_15_23_38_849"), 7};
+const SensorClock kRtkClock{ParseKatwijkStamp("2015_11_26_15_23_38_849"), 7};
 
 double Ground(double east_m, double north_m) {
   return 0.05 * std::sin(east_m) + 0.03 * std::cos(0.8 * north_m);
@@ -20,14 +20,14 @@ double Ground(double east_m, double north_m) {
 class Rtk : public testing::Test {
  protected:
   std::vector<GnssFix> Fixes(const RtkFaults& faults) const {
-    return SimulateRtk(motion_, mount_, local_, kClock, faults);
+    return SimulateRtk(motion_, mount_, local_, kRtkClock, faults);
   }
   Eigen::Vector3d EnuOf(const GnssFix& fix) const {
     return local_.ToEnu({fix.latitude_deg, fix.longitude_deg, fix.altitude_m});
   }
   // Measured minus true antenna, metres east, north, up.
   Eigen::Vector3d ErrorOf(const GnssFix& fix, double clock_offset_s) const {
-    const double time_s = kClock.TimeAt(fix.stamp_ns) - clock_offset_s;
+    const double time_s = kRtkClock.TimeAt(fix.stamp_ns) - clock_offset_s;
     return EnuOf(fix) - motion_.WorldFromBody(time_s) * mount_.AntennaInBody();
   }
 
@@ -58,8 +58,8 @@ TEST_F(Rtk, ErrorsHaveTheStatedSigmas) {
 
 TEST_F(Rtk, ComesEveryThreeSecondsWhileTheSensorsRun) {
   const auto fixes = Fixes({});
-  EXPECT_LT(kClock.TimeAt(fixes.front().stamp_ns), 0.0);
-  EXPECT_GT(kClock.TimeAt(fixes.back().stamp_ns), motion_.path().duration_s() - 1.1);
+  EXPECT_LT(kRtkClock.TimeAt(fixes.front().stamp_ns), 0.0);
+  EXPECT_GT(kRtkClock.TimeAt(fixes.back().stamp_ns), motion_.path().duration_s() - 1.1);
   for (std::size_t i = 1; i < fixes.size(); ++i) {
     EXPECT_NEAR(1e-9 * static_cast<double>(fixes[i].stamp_ns - fixes[i - 1].stamp_ns), 3.0, 0.012);
   }
@@ -71,7 +71,7 @@ TEST_F(Rtk, OutageDegradesThenHoldsItsTongue) {
   EXPECT_EQ(fixes.size() + 6, Fixes({0.2, {}}).size());
   int unsure = 0;
   for (const GnssFix& fix : fixes) {
-    const double time_s = kClock.TimeAt(fix.stamp_ns) - 0.2;
+    const double time_s = kRtkClock.TimeAt(fix.stamp_ns) - 0.2;
     EXPECT_EQ(fix.status == "RTK_FLOAT", outage.Contains(time_s));
     EXPECT_EQ(fix.sigma_enu_m.x() > 0.1, outage.Contains(time_s));
     EXPECT_FALSE(time_s >= 112.0 && time_s < outage.end_s) << time_s;
@@ -115,7 +115,7 @@ TEST_F(Rtk, FollowsItsSeed) {
   const auto once = Fixes({}), again = Fixes({});
   EXPECT_EQ(once.at(5).latitude_deg, again.at(5).latitude_deg);
   const auto other =
-      SimulateRtk(motion_, mount_, local_, {kClock.start_stamp_ns, kClock.seed + 1}, {});
+      SimulateRtk(motion_, mount_, local_, {kRtkClock.start_stamp_ns, kRtkClock.seed + 1}, {});
   EXPECT_NE(once.at(5).latitude_deg, other.at(5).latitude_deg);
 }
 

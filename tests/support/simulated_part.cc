@@ -19,7 +19,7 @@ namespace rigmap {
 namespace {
 
 namespace fs = std::filesystem;
-constexpr double kCameraTilt_rad = 36.0 * std::numbers::pi / 180.0;
+constexpr double kSimulatedTilt_rad = 36.0 * std::numbers::pi / 180.0;
 
 // imu_from_left of a camera that looks forward and down. IMU axes: x backward, y right, z up.
 Rigid3 ImuFromTiltedCamera(double tilt_rad) {
@@ -80,7 +80,7 @@ StereoRig SmallRoverRig() {
                       .k2 = 0.025};
   rig.right_from_left = {ExpRotation({0.003, -0.005, 0.002}), {-0.12, 0.0004, -0.0003}};
   rig.antenna_in_left = Eigen::Vector3d(0.03, -0.78, -0.89);
-  rig.imu_from_left = ImuFromTiltedCamera(kCameraTilt_rad);
+  rig.imu_from_left = ImuFromTiltedCamera(kSimulatedTilt_rad);
   return rig;
 }
 
