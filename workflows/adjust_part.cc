@@ -7,9 +7,9 @@
 
 #include "adjustment/adjust.h"
 #include "adjustment/level_world.h"
-#include "adjustment/relax_poses.h"
 #include "gates/gates.h"
 #include "odometry/track_frames.h"
+#include "pose_graph/relax_poses.h"
 #include "trajectory/assemble_trajectory.h"
 #include "trajectory/starting_poses.h"
 

@@ -69,17 +69,6 @@ class ReprojectionCost : public ceres::SizedCostFunction<2, 7, 3> {
 
 }  // namespace
 
-MotionBlock ToBlock(const Rigid3& motion) {
-  const auto& q = motion.rotation;
-  const auto& t = motion.translation;
-  return {q.x(), q.y(), q.z(), q.w(), t.x(), t.y(), t.z()};
-}
-
-Rigid3 FromBlock(const double* block) {
-  return {Eigen::Quaterniond(Eigen::Map<const Eigen::Vector4d>(block)),
-          Eigen::Map<const Eigen::Vector3d>(block + 4)};
-}
-
 std::unique_ptr<ceres::Manifold> MakeFrameManifold() { return std::make_unique<FrameManifold>(); }
 
 std::unique_ptr<ceres::CostFunction> MakeReprojectionCost(const StereoRig& rig,

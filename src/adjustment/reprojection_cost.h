@@ -4,18 +4,12 @@
 #include <ceres/cost_function.h>
 #include <ceres/manifold.h>
 
-#include <array>
 #include <memory>
 
+#include "geometry/motion_block.h"
 #include "scene/adjustment.h"
 
 namespace rigmap {
-
-// A rigid motion as a Ceres block: quaternion x y z w, translation.
-using MotionBlock = std::array<double, 7>;
-
-MotionBlock ToBlock(const Rigid3& motion);
-Rigid3 FromBlock(const double* block);
 
 // Perturbs as Reproject's Jacobians expect: the rotation from the left, the translation is added
 // to. The first six "ambient" columns of a Jacobian hold the derivative by the perturbation itself:

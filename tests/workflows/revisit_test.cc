@@ -5,12 +5,12 @@
 #include <numbers>
 
 #include "adjustment/adjust.h"
-#include "adjustment/relax_poses.h"
 #include "dataset/open_dataset.h"
 #include "features/extract_features.h"
 #include "geometry/alignment.h"
 #include "matching/match_frames.h"
 #include "odometry/track_frames.h"
+#include "pose_graph/relax_poses.h"
 #include "tests/support/simulated_part.h"
 #include "tests/support/temporary_folder.h"
 #include "trajectory/starting_poses.h"

@@ -1,4 +1,4 @@
-#include "adjustment/relax_poses.h"
+#include "pose_graph/relax_poses.h"
 
 #include <gtest/gtest.h>
 
