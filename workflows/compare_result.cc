@@ -63,12 +63,12 @@ nlohmann::ordered_json CompareWithSurvey(const Trajectory& trajectory, const Dat
   json["rtk"] = fit.alignment ? ToJson(*fit.alignment) : nlohmann::ordered_json::object();
   if (!fit.why.empty()) json["rtk"]["why"] = fit.why;
   std::error_code ignored;
-  if (!fit.alignment || dataset.surveyed_rocks.empty() || !fs::exists(map_ply, ignored)) {
+  if (!fit.alignment || dataset.surveyed_landmarks.empty() || !fs::exists(map_ply, ignored)) {
     return json;
   }
   json["surveyed_rocks"] =
       ToJson(CompareWithSurvey(RocksOf(map_ply, options.rocks), {trajectory, dataset.rig},
-                               {dataset.surveyed_rocks, *fit.alignment}, options.rock_survey));
+                               {dataset.surveyed_landmarks, *fit.alignment}, options.rock_survey));
   return json;
 }
 
@@ -79,8 +79,9 @@ std::string DescribeSurvey(const Dataset& dataset) {
                         fix.longitude_deg, fix.sigma_enu_m.x(), fix.sigma_enu_m.y(),
                         fix.sigma_enu_m.z());
   }
-  for (const SurveyedRock& rock : dataset.surveyed_rocks) {
-    text += fmt::format("{} {} {}\n", Name(rock.size), rock.easting_m, rock.northing_m);
+  for (const SurveyedLandmark& rock : dataset.surveyed_landmarks) {
+    text += fmt::format("{} {} {} {}\n", rock.kind, rock.position.epsg, rock.position.easting_m,
+                        rock.position.northing_m);
   }
   return text;
 }

@@ -41,7 +41,7 @@ void PartStages::TakeUp(const Dataset& dataset) const {
   run_.Run(Stage<std::string>{
       .name = "dataset",
       .options = DescribeInputs(dataset),
-      .make = [&] { return dataset.format; },
+      .make = [&] { return std::string(Name(dataset.format)); },
       .report = [&](const std::string&) { summary_.SetDataset(dataset); },
   });
 }

@@ -212,7 +212,7 @@ KatwijkPart SelectKatwijkPart(const fs::path& folder, std::optional<int> travers
 
 Dataset ReadKatwijkFrames(const KatwijkPart& part) {
   Dataset dataset;
-  dataset.format = "katwijk";
+  dataset.format = DatasetFormat::kKatwijk;
   DatasetHealth& health = dataset.health;
   const fs::path folder = part.folder / "LocCam";
   for (const auto& [stamp_ns, images] : GroupByStamp(folder, health)) {

@@ -31,14 +31,16 @@ fs::path AbsoluteFolder(const fs::path& folder) {
   return absolute.has_filename() ? absolute : absolute.parent_path();
 }
 
-std::string FindFormat(const DatasetRequest& request, const fs::path& folder) {
+DatasetFormat FindFormat(const DatasetRequest& request, const fs::path& folder) {
   if (request.format) {
-    if (*request.format == "katwijk" || *request.format == "stereo") return *request.format;
+    for (const auto format : {DatasetFormat::kKatwijk, DatasetFormat::kStereoFolder}) {
+      if (*request.format == Name(format)) return format;
+    }
     throw UsageError(
         fmt::format("--format: expected katwijk or stereo, found '{}'", *request.format));
   }
-  if (!FindKatwijkParts(folder).empty()) return "katwijk";
-  if (IsStereoFolder(folder)) return "stereo";
+  if (!FindKatwijkParts(folder).empty()) return DatasetFormat::kKatwijk;
+  if (IsStereoFolder(folder)) return DatasetFormat::kStereoFolder;
   throw DataError(
       fmt::format("{}: expected a Katwijk root or part (Traverse<T>/Part<P>/LocCam, "
                   "LocCam) or a stereo folder (left, right, times.txt), found neither",
@@ -83,7 +85,7 @@ void ReadSurvey(const KatwijkPart& part, Dataset& dataset) {
       dataset.fixes = std::move(reading->fixes);
       remarks.insert(remarks.end(), reading->remarks.begin(), reading->remarks.end());
     }
-    dataset.surveyed_rocks = ReadRockSurvey(part);
+    dataset.surveyed_landmarks = ReadRockSurvey(part);
   } catch (const DataError& error) {
     remarks.push_back(fmt::format("{}; the result is not compared with it", error.what()));
   }
@@ -196,8 +198,9 @@ std::string DescribeFile(const std::string& path) {
 
 Dataset OpenDataset(const DatasetRequest& request) {
   const fs::path folder = AbsoluteFolder(request.folder);
-  Opened opened = FindFormat(request, folder) == "katwijk" ? OpenKatwijk(request, folder)
-                                                           : OpenStereo(request, folder);
+  Opened opened = FindFormat(request, folder) == DatasetFormat::kKatwijk
+                      ? OpenKatwijk(request, folder)
+                      : OpenStereo(request, folder);
   Dataset& dataset = opened.dataset;
   dataset.rig = ReadRig(request, opened);
   if (request.frames) KeepFrames(*request.frames, dataset.frames);
@@ -227,7 +230,7 @@ std::string DescribeFrame(const StereoFrame& frame) {
 }
 
 std::string DescribeInputs(const Dataset& dataset) {
-  std::string text = fmt::format("{}\n{}", dataset.format, DescribeRig(dataset.rig));
+  std::string text = fmt::format("{}\n{}", Name(dataset.format), DescribeRig(dataset.rig));
   for (const auto& frame : dataset.frames) text += DescribeFrame(frame);
   for (const auto& sample : dataset.inclinometer) {
     const auto& up = sample.acceleration_in_imu;

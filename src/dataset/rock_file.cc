@@ -11,13 +11,14 @@
 #include "core/error.h"
 #include "core/file.h"
 #include "dataset/text_row.h"
+#include "georeference/utm.h"
 
 namespace rigmap {
 namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::array<RockSize, 3> kSizes{RockSize::kSmall, RockSize::kMedium, RockSize::kLarge};
+constexpr std::array kKinds{"small", "medium", "large"};
 
 struct RockList {
   const char* folder;
@@ -62,8 +63,8 @@ std::optional<RockRow> ParseRock(std::string_view line) {
 
 }  // namespace
 
-std::vector<SurveyedRock> ReadRockFile(const fs::path& path, RockSize size) {
-  std::vector<SurveyedRock> rocks;
+std::vector<SurveyedLandmark> ReadRockFile(const fs::path& path, const std::string& kind) {
+  std::vector<SurveyedLandmark> rocks;
   std::optional<GridColumns> columns;
   std::istringstream stream(ReadTextFile(path));
   std::string line;
@@ -79,25 +80,26 @@ std::vector<SurveyedRock> ReadRockFile(const fs::path& path, RockSize size) {
     }
     columns = row->columns;
     const bool easting_first = *columns == GridColumns::kEastingFirst;
-    rocks.push_back(
-        {size, easting_first ? row->first : row->second, easting_first ? row->second : row->first});
+    rocks.push_back({kind,
+                     {kUtm31Epsg, easting_first ? row->first : row->second,
+                      easting_first ? row->second : row->first}});
   }
   return rocks;
 }
 
-std::vector<SurveyedRock> ReadRockSurvey(const KatwijkPart& part) {
-  std::vector<SurveyedRock> rocks;
+std::vector<SurveyedLandmark> ReadRockSurvey(const KatwijkPart& part) {
+  std::vector<SurveyedLandmark> rocks;
   const auto rock_data = FindRockData(part);
   if (!rock_data) return rocks;
   const auto list = ListOf(part, *rock_data);
   if (!list) return rocks;
-  for (const RockSize size : kSizes) {
-    const fs::path path = *rock_data / list->folder /
-                          fmt::format("{}-rocks-traverse{}.txt", Name(size), list->traverse);
+  for (const std::string kind : kKinds) {
+    const fs::path path =
+        *rock_data / list->folder / fmt::format("{}-rocks-traverse{}.txt", kind, list->traverse);
     std::error_code ignored;
     if (!fs::is_regular_file(path, ignored)) continue;
-    const auto of_size = ReadRockFile(path, size);
-    rocks.insert(rocks.end(), of_size.begin(), of_size.end());
+    const auto of_kind = ReadRockFile(path, kind);
+    rocks.insert(rocks.end(), of_kind.begin(), of_kind.end());
   }
   return rocks;
 }

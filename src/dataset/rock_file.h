@@ -6,6 +6,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 #include <vector>
 
 #include "dataset/katwijk.h"
@@ -13,14 +14,15 @@
 
 namespace rigmap {
 
-// The rocks of the part's traverse, from a folder `Rock Data` beside the part or its traverse.
-// Empty where there is none, or where the traverse is unknown and both lists are there. Throws
-// DataError as ReadRockFile does.
-std::vector<SurveyedRock> ReadRockSurvey(const KatwijkPart& part);
+// The rocks of the part's traverse, of the kinds "small", "medium" and "large", from a folder `Rock
+// Data` beside the part or its traverse. Empty where there is none, or where the traverse is
+// unknown and both lists are there. Throws DataError as ReadRockFile does.
+std::vector<SurveyedLandmark> ReadRockSurvey(const KatwijkPart& part);
 
-// One file, whose rocks all have this size; empty lines are passed over. Throws DataError naming
+// One file, whose rocks are all of this kind; empty lines are passed over. Throws DataError naming
 // file, line, what was expected and found for a row that is no place of the zone, or has its
 // columns the other way round than the first one.
-std::vector<SurveyedRock> ReadRockFile(const std::filesystem::path& path, RockSize size);
+std::vector<SurveyedLandmark> ReadRockFile(const std::filesystem::path& path,
+                                           const std::string& kind);
 
 }  // namespace rigmap

@@ -100,7 +100,7 @@ Dataset ReadStereoFolder(const fs::path& folder) {
                                 times_path.string(), left.size(), times.size()));
   }
   Dataset dataset;
-  dataset.format = "stereo";
+  dataset.format = DatasetFormat::kStereoFolder;
   for (std::size_t i = 0; i < left.size(); ++i) {
     dataset.frames.push_back({times[i], left[i].string(), right[i].string()});
   }

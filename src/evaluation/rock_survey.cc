@@ -1,9 +1,12 @@
 #include "evaluation/rock_survey.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
+#include "core/error.h"
 #include "georeference/local_frame.h"
 #include "georeference/utm.h"
 
@@ -13,8 +16,13 @@ namespace {
 constexpr double kBody_m = 0.15;  // half the height of a small rock
 constexpr int kMinFrames = 2;     // a place that fewer see is not kept in a map
 
-Eigen::Vector2d PlaceInPlane(const SurveyedRock& rock, const LocalFrame& plane) {
-  const Geodetic place = FromUtm31(rock.easting_m, rock.northing_m, plane.origin().altitude_m);
+Eigen::Vector2d PlaceInPlane(const GridPosition& position, const LocalFrame& plane) {
+  if (position.epsg != kUtm31Epsg) {
+    throw DataError(fmt::format("surveyed rocks: expected positions in EPSG:{}, found EPSG:{}",
+                                kUtm31Epsg, position.epsg));
+  }
+  const Geodetic place =
+      FromUtm31(position.easting_m, position.northing_m, plane.origin().altitude_m);
   return plane.ToEnu(place).head<2>();
 }
 
@@ -50,7 +58,7 @@ bool IsBodyInMap(const Eigen::Vector3d& middle, double half_width_m, const Rover
   return seen >= kEnough;
 }
 
-bool ShouldShow(const Eigen::Vector2d& x_in_world, RockSize size, const RoverViews& views,
+bool ShouldShow(const Eigen::Vector2d& x_in_world, const std::string& kind, const RoverViews& views,
                 const GroundLevel& ground, const RockSurveyOptions& options) {
   const auto level_m = ground.Near(x_in_world);
   const bool near_path = std::ranges::any_of(views.trajectory, [&](const TimedPose& pose) {
@@ -59,12 +67,12 @@ bool ShouldShow(const Eigen::Vector2d& x_in_world, RockSize size, const RoverVie
   });
   if (!level_m || !near_path) return false;
   const Eigen::Vector3d middle(x_in_world.x(), x_in_world.y(), *level_m + kBody_m);
-  return IsBodyInMap(middle, options.HalfWidth(size), views, options.max_view_m);
+  return IsBodyInMap(middle, options.HalfWidth(kind), views, options.max_view_m);
 }
 
-double MatchLimit(const SurveyedRock& rock, double alignment_sigma_m,
+double MatchLimit(const SurveyedLandmark& rock, double alignment_sigma_m,
                   const RockSurveyOptions& options) {
-  return options.HalfWidth(rock.size) +
+  return options.HalfWidth(rock.kind) +
          options.max_sigmas * std::hypot(alignment_sigma_m, options.survey_sigma_m);
 }
 
@@ -118,10 +126,10 @@ OptionFields RockSurveyOptions::Fields() {
   };
 }
 
-double RockSurveyOptions::HalfWidth(RockSize size) const {
-  return size == RockSize::kSmall    ? small_half_width_m
-         : size == RockSize::kMedium ? medium_half_width_m
-                                     : large_half_width_m;
+double RockSurveyOptions::HalfWidth(std::string_view kind) const {
+  return kind == "small"    ? small_half_width_m
+         : kind == "medium" ? medium_half_width_m
+                            : large_half_width_m;
 }
 
 RockSurvey CompareWithSurvey(const RockSegmentation& map, const RoverViews& views,
@@ -131,8 +139,8 @@ RockSurvey CompareWithSurvey(const RockSegmentation& map, const RoverViews& view
   const LocalFrame plane(alignment.plane_origin);
   const Rigid2 world_from_plane = alignment.plane_from_world.Inverse();
   std::vector<SurveyRow> rows;
-  for (const SurveyedRock& rock : survey.rocks) {
-    SurveyRow row{.surveyed = rock, .place_in_plane = PlaceInPlane(rock, plane)};
+  for (const SurveyedLandmark& rock : survey.rocks) {
+    SurveyRow row{.surveyed = rock, .place_in_plane = PlaceInPlane(rock.position, plane)};
     const double sigma_m = alignment.SigmaAt(world_from_plane * row.place_in_plane);
     row.limit_m = MatchLimit(rock, sigma_m, options);
     rows.push_back(row);
@@ -142,7 +150,7 @@ RockSurvey CompareWithSurvey(const RockSegmentation& map, const RoverViews& view
   result.unknown = result.segmented - Match(map.rocks, alignment.plane_from_world, rows);
   for (const SurveyRow& row : rows) {
     const Eigen::Vector2d place = world_from_plane * row.place_in_plane;
-    if (!ShouldShow(place, row.surveyed.size, views, map.ground, options)) continue;
+    if (!ShouldShow(place, row.surveyed.kind, views, map.ground, options)) continue;
     result.found += row.found ? 1 : 0;
     result.rows.push_back(row);
   }

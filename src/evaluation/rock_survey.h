@@ -6,6 +6,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/options.h"
@@ -30,11 +31,12 @@ struct RockSurveyOptions {
   double max_view_m = 6.0;
 
   OptionFields Fields();
-  double HalfWidth(RockSize size) const;
+  // Of the kinds "small", "medium" and "large"; any other is taken for large.
+  double HalfWidth(std::string_view kind) const;
 };
 
 struct SurveyRow {
-  SurveyedRock surveyed;
+  SurveyedLandmark surveyed;
   Eigen::Vector2d place_in_plane = Eigen::Vector2d::Zero();  // surveyed; east, north, m
   double limit_m = 0.0;                // how far from there a rock was looked for
   std::optional<SegmentedRock> found;  // nothing: not in the map
@@ -57,13 +59,14 @@ struct RoverViews {
 
 // The surveyed rocks and the plane they are compared in. Kept by reference.
 struct PlacedSurvey {
-  std::span<const SurveyedRock> rocks;
+  std::span<const SurveyedLandmark> rocks;
   const RtkAlignment& alignment;
 };
 
 // One to one, nearest first, within half a width and the sigmas. All surveyed rocks take part; rows
 // are kept for those near the path of which a third is inside both images of two frames. One that
-// hides behind another counts as well. Throws UsageError for options out of range.
+// hides behind another counts as well. Throws UsageError for options out of range, DataError for
+// positions on another grid than UTM 31N.
 RockSurvey CompareWithSurvey(const RockSegmentation& map, const RoverViews& views,
                              const PlacedSurvey& survey, const RockSurveyOptions& options = {});
 

@@ -11,9 +11,9 @@ namespace {
 
 nlohmann::ordered_json ToJson(const SurveyRow& row) {
   nlohmann::ordered_json json;
-  json["size"] = Name(row.surveyed.size);
-  json["easting_m"] = Rounded(row.surveyed.easting_m, 3);
-  json["northing_m"] = Rounded(row.surveyed.northing_m, 3);
+  json["size"] = row.surveyed.kind;
+  json["easting_m"] = Rounded(row.surveyed.position.easting_m, 3);
+  json["northing_m"] = Rounded(row.surveyed.position.northing_m, 3);
   json["limit_m"] = Rounded(row.limit_m, 3);
   json["found"] = row.found.has_value();
   if (!row.found) return json;
@@ -62,8 +62,9 @@ std::string FormatTable(const RockSurvey& survey) {
       fmt::format("{:<7} {:>11} {:>12}  {:<5} {:>7} {:>7} {:>8} {:>6} {:>5}\n", "rock", "easting m",
                   "northing m", "found", "east m", "north m", "distance", "height", "width");
   for (const SurveyRow& row : survey.rows) {
-    table += fmt::format("{:<7} {:>11.2f} {:>12.2f}  {:<5}", Name(row.surveyed.size),
-                         row.surveyed.easting_m, row.surveyed.northing_m, row.found ? "yes" : "no");
+    table += fmt::format("{:<7} {:>11.2f} {:>12.2f}  {:<5}", row.surveyed.kind,
+                         row.surveyed.position.easting_m, row.surveyed.position.northing_m,
+                         row.found ? "yes" : "no");
     if (row.found) {
       table += fmt::format(" {:>7.2f} {:>7.2f} {:>8.2f} {:>6.2f} {:>5.2f}", row.offset_m.x(),
                            row.offset_m.y(), row.offset_m.norm(), row.found->height_m,

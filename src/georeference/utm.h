@@ -5,6 +5,8 @@
 
 namespace rigmap {
 
+inline constexpr int kUtm31Epsg = 32631;
+
 struct UtmPoint {
   double easting_m = 0.0;   // 500 000 on the central meridian, 3 degrees east
   double northing_m = 0.0;  // 0 on the equator, negative south of it

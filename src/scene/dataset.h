@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/stamp.h"
@@ -51,14 +52,20 @@ struct DatasetHealth {
   }
 };
 
+enum class DatasetFormat { kKatwijk = 0, kStereoFolder = 1 };
+
+constexpr std::string_view Name(DatasetFormat format) {
+  return format == DatasetFormat::kKatwijk ? "katwijk" : "stereo";
+}
+
 struct Dataset {
-  std::string format;  // "katwijk" or "stereo"
+  DatasetFormat format = DatasetFormat::kStereoFolder;
   StereoRig rig;
   std::vector<StereoFrame> frames;               // strictly increasing stamps
   std::vector<InclinometerSample> inclinometer;  // about one per frame, averaged around its stamp
   std::string truth_path;                        // a TUM file that came with the data; empty: none
   std::vector<GnssFix> fixes;                    // of the rover's satellite receiver
-  std::vector<SurveyedRock> surveyed_rocks;      // of the whole traverse
+  std::vector<SurveyedLandmark> surveyed_landmarks;  // of the whole traverse
   DatasetHealth health;
 };
 

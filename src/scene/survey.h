@@ -1,4 +1,4 @@
-// What satellite receivers tell of a traverse.
+// What satellite receivers tell of a traverse and of what lies beside it.
 #pragma once
 
 #include <Eigen/Core>
@@ -19,16 +19,16 @@ struct GnssFix {
 
 inline constexpr std::string_view kRtkFixed = "RTK_FIXED";
 
-enum class RockSize { kSmall = 0, kMedium = 1, kLarge = 2 };
-
-constexpr std::string_view Name(RockSize size) {
-  return size == RockSize::kSmall ? "small" : size == RockSize::kMedium ? "medium" : "large";
-}
-
-// A rock's place as surveyed, UTM 31N. Which point of the rock it is, is unknown.
-struct SurveyedRock {
-  RockSize size = RockSize::kSmall;
+// A position on a map grid that its EPSG number names, such as 32631: UTM zone 31 north on WGS84.
+struct GridPosition {
+  int epsg = 0;
   double easting_m = 0.0, northing_m = 0.0;
+};
+
+// A landmark's place as surveyed. Which point of it that is, is unknown.
+struct SurveyedLandmark {
+  std::string kind;  // as the survey calls it, such as "large"
+  GridPosition position;
 };
 
 }  // namespace rigmap

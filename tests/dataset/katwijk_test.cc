@@ -44,7 +44,7 @@ TEST_F(KatwijkFramesTest, SortsByTimeNotByName) {
   for (const char* stamp : {"36_5", "36_40", "36_300", "36_1000", "35_999", "37_1"})
     WritePair(stamp);
   const Dataset dataset = Read();
-  EXPECT_EQ(dataset.format, "katwijk");
+  EXPECT_EQ(dataset.format, DatasetFormat::kKatwijk);
   EXPECT_THAT(Order(dataset), ElementsAre("35_999", "36_5", "36_40", "36_300", "36_1000", "37_1"));
   EXPECT_EQ(dataset.frames[1].stamp_ns, ParseKatwijkStamp("2015_11_26_15_23_36_5"));
   for (std::size_t i = 1; i < dataset.frames.size(); ++i) {

@@ -158,7 +158,7 @@ class OpenStereoTest : public testing::Test {
 
 TEST_F(OpenStereoTest, IsRecognisedWithItsRig) {
   const Dataset dataset = Open();
-  EXPECT_EQ(dataset.format, "stereo");
+  EXPECT_EQ(dataset.format, DatasetFormat::kStereoFolder);
   EXPECT_EQ(dataset.frames.size(), 2U);
   EXPECT_EQ(dataset.rig.Baseline(), 0.12);
   EXPECT_THAT(dataset.inclinometer, IsEmpty());

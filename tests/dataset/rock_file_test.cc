@@ -20,12 +20,13 @@ TEST(RockFile, FindsTheNorthingByItsSize) {
   for (const std::string text :
        {"595685.5 5785795.2\n\n595678.1\t5785790.5\r\n", "5785795.2 595685.5\n5785790.5 595678.1",
         "  5.956855e5 5.7857952e+06\n5.956781e5 5.7857905e+06\n"}) {
-    const auto rocks = ReadRockFile(folder.Write("rocks.txt", text), RockSize::kMedium);
+    const auto rocks = ReadRockFile(folder.Write("rocks.txt", text), "medium");
     ASSERT_EQ(rocks.size(), 2U) << text;
-    EXPECT_EQ(rocks[0].size, RockSize::kMedium);
-    EXPECT_NEAR(rocks[0].northing_m, 5785795.2, 1e-6);
-    EXPECT_NEAR(rocks[1].easting_m, 595678.1, 1e-6);
-    EXPECT_NEAR(rocks[1].northing_m, 5785790.5, 1e-6);
+    EXPECT_EQ(rocks[0].kind, "medium");
+    EXPECT_EQ(rocks[0].position.epsg, 32631);
+    EXPECT_NEAR(rocks[0].position.northing_m, 5785795.2, 1e-6);
+    EXPECT_NEAR(rocks[1].position.easting_m, 595678.1, 1e-6);
+    EXPECT_NEAR(rocks[1].position.northing_m, 5785790.5, 1e-6);
   }
 }
 
@@ -34,7 +35,7 @@ TEST(RockFile, NamesTheLineThatIsNoPlace) {
   for (const std::string bad : {"595685.5", "595685.5 5785795.2 1.0", "595685.5 five", "52.2 4.4",
                                 "595685.5 595685.5", "5785795.2 595685.5"}) {
     const auto path = folder.Write("rocks.txt", "595685.5 5785795.2\n" + bad + "\n");
-    const std::string message = MessageOf<DataError>([&] { ReadRockFile(path, RockSize::kSmall); });
+    const std::string message = MessageOf<DataError>([&] { ReadRockFile(path, "small"); });
     EXPECT_NE(message.find("rocks.txt:2: expected easting and northing"), std::string::npos)
         << message;
     EXPECT_NE(message.find("found '" + bad + "'"), std::string::npos) << message;
@@ -48,7 +49,7 @@ TEST(RockFile, TakesTheListOfTheTraverse) {
   const auto eastings = [&](std::optional<int> traverse) {
     std::vector<double> found;
     for (const auto& rock : ReadRockSurvey({part_folder, traverse, 1})) {
-      found.push_back(rock.easting_m);
+      found.push_back(rock.position.easting_m);
     }
     return found;
   };
@@ -59,7 +60,7 @@ TEST(RockFile, TakesTheListOfTheTraverse) {
   EXPECT_EQ(eastings(2), std::vector<double>{595001});
   EXPECT_EQ(eastings(3), (std::vector<double>{595004, 595003}));
   EXPECT_TRUE(eastings({}).empty());  // which of two, nobody knows
-  EXPECT_EQ(ReadRockSurvey({part_folder, 3, 1}).back().size, RockSize::kLarge);
+  EXPECT_EQ(ReadRockSurvey({part_folder, 3, 1}).back().kind, "large");
 }
 
 TEST(RockFile, LooksBesideThePartAndItsTraverse) {
@@ -76,12 +77,12 @@ TEST(RockFile, ReadsARenderedBeach) {
   if (data == nullptr) GTEST_SKIP() << "RIGMAP_DATA is not set";
   const auto root = std::filesystem::path(data) / "beach-dev";
   const auto rocks = ReadRockSurvey(SelectKatwijkPart(root, 3, 1));
-  const auto count = [&](RockSize size) {
-    return std::ranges::count(rocks, size, &SurveyedRock::size);
+  const auto count = [&](const std::string& kind) {
+    return std::ranges::count(rocks, kind, &SurveyedLandmark::kind);
   };
-  EXPECT_EQ(count(RockSize::kSmall), 13);
-  EXPECT_EQ(count(RockSize::kMedium), 9);
-  EXPECT_EQ(count(RockSize::kLarge), 6);
+  EXPECT_EQ(count("small"), 13);
+  EXPECT_EQ(count("medium"), 9);
+  EXPECT_EQ(count("large"), 6);
 }
 
 }  // namespace

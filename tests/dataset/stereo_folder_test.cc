@@ -34,7 +34,7 @@ class StereoFolderTest : public testing::Test {
 
 TEST_F(StereoFolderTest, ReadsFramesInOrder) {
   const Dataset dataset = Read();
-  EXPECT_EQ(dataset.format, "stereo");
+  EXPECT_EQ(dataset.format, DatasetFormat::kStereoFolder);
   ASSERT_EQ(dataset.frames.size(), 3U);
   EXPECT_EQ(dataset.frames[1].stamp_ns, 11'000'000'000);
   EXPECT_THAT(dataset.frames[1].left_path, EndsWith("left/001.png"));

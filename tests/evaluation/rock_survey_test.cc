@@ -41,18 +41,18 @@ class RockSurveyTest : public testing::Test {
     alignment_.covariance.diagonal() << 1e-4, 1e-4, 1e-6;
   }
 
-  SurveyedRock Survey(RockSize size, const Eigen::Vector2d& x_in_world) const {
+  SurveyedLandmark Survey(const std::string& kind, const Eigen::Vector2d& x_in_world) const {
     const LocalFrame plane(alignment_.plane_origin);
     const Eigen::Vector2d place = alignment_.plane_from_world * x_in_world;
     const UtmPoint utm = ToUtm31(plane.ToGeodetic({place.x(), place.y(), 0.0}));
-    return {size, utm.easting_m, utm.northing_m};
+    return {kind, {kUtm31Epsg, utm.easting_m, utm.northing_m}};
   }
 
   void AddRock(const Eigen::Vector2d& x_in_world) {
     map_.rocks.push_back({.centre = x_in_world, .width_m = 0.5, .height_m = 0.3, .points = 900});
   }
 
-  RockSurvey Compare(const std::vector<SurveyedRock>& surveyed,
+  RockSurvey Compare(const std::vector<SurveyedLandmark>& surveyed,
                      const RockSurveyOptions& options = {}) const {
     return CompareWithSurvey(map_, {trajectory_, rig_}, {surveyed, alignment_}, options);
   }
@@ -71,7 +71,7 @@ TEST_F(RockSurveyTest, TellsHowFarARockIsFromItsSurveyedPlace) {
     const Eigen::Vector2d place(random.Uniform(5.0, 9.0), random.Uniform(-1.2, 1.2));
     const Eigen::Vector2d off = random.Vector(0.14).head<2>();
     AddRock(place + off);
-    const RockSurvey survey = Compare({Survey(RockSize::kSmall, place)});
+    const RockSurvey survey = Compare({Survey("small", place)});
     ASSERT_EQ(survey.rows.size(), 1U);
     EXPECT_EQ(survey.found, 1);
     EXPECT_EQ(survey.unknown, 0);
@@ -85,19 +85,19 @@ TEST_F(RockSurveyTest, TellsHowFarARockIsFromItsSurveyedPlace) {
 TEST_F(RockSurveyTest, LooksWithinHalfAWidthAndTheSigmas) {
   const Eigen::Vector2d place(6.0, 0.5);
   AddRock(place + Eigen::Vector2d(0.0, 0.45));
-  EXPECT_EQ(Compare({Survey(RockSize::kSmall, place)}).found, 0);
-  EXPECT_EQ(Compare({Survey(RockSize::kSmall, place)}).unknown, 1);
-  EXPECT_EQ(Compare({Survey(RockSize::kMedium, place)}).found, 1);
-  EXPECT_NEAR(Compare({Survey(RockSize::kMedium, place)}).rows[0].limit_m,
+  EXPECT_EQ(Compare({Survey("small", place)}).found, 0);
+  EXPECT_EQ(Compare({Survey("small", place)}).unknown, 1);
+  EXPECT_EQ(Compare({Survey("medium", place)}).found, 1);
+  EXPECT_NEAR(Compare({Survey("medium", place)}).rows[0].limit_m,
               0.4 + 3.0 * std::sqrt(0.03 * 0.03 + 1e-4 + 0.5e-6 * place.squaredNorm()), 1e-5);
   alignment_.unknown_clock_sigma_m = 0.15;
-  EXPECT_EQ(Compare({Survey(RockSize::kSmall, place)}).found, 1);
+  EXPECT_EQ(Compare({Survey("small", place)}).found, 1);
 }
 
 TEST_F(RockSurveyTest, MatchesOneToOneNearestFirst) {
   const Eigen::Vector2d place(6.0, 0.5);
-  const std::vector<SurveyedRock> two{Survey(RockSize::kSmall, place + Eigen::Vector2d(0.2, 0.0)),
-                                      Survey(RockSize::kSmall, place + Eigen::Vector2d(0.0, 0.05))};
+  const std::vector<SurveyedLandmark> two{Survey("small", place + Eigen::Vector2d(0.2, 0.0)),
+                                          Survey("small", place + Eigen::Vector2d(0.0, 0.05))};
   AddRock(place);
   RockSurvey survey = Compare(two);
   ASSERT_EQ(survey.rows.size(), 2U);
@@ -112,7 +112,7 @@ TEST_F(RockSurveyTest, MatchesOneToOneNearestFirst) {
 
 TEST_F(RockSurveyTest, CountsOnlyRocksThatTheMapShouldShow) {
   const auto counts = [&](double x_m, double y_m) {
-    return Compare({Survey(RockSize::kSmall, {x_m, y_m})}).rows.size();
+    return Compare({Survey("small", {x_m, y_m})}).rows.size();
   };
   EXPECT_EQ(counts(5.0, 0.0), 1U);
   EXPECT_EQ(counts(7.0, 2.5), 1U);
@@ -123,7 +123,7 @@ TEST_F(RockSurveyTest, CountsOnlyRocksThatTheMapShouldShow) {
   EXPECT_EQ(counts(0.5, 1.5), 0U);   // beside it, never in view
   RockSurveyOptions near;
   near.max_view_m = 2.0;
-  EXPECT_TRUE(Compare({Survey(RockSize::kSmall, {7.0, 1.8})}, near).rows.empty());
+  EXPECT_TRUE(Compare({Survey("small", {7.0, 1.8})}, near).rows.empty());
   trajectory_.resize(1);
   EXPECT_EQ(counts(3.0, 0.0), 0U);  // one frame is not enough
 }
@@ -132,7 +132,7 @@ TEST_F(RockSurveyTest, CountsOnlyRocksThatTheMapShouldShow) {
 TEST_F(RockSurveyTest, RocksOutOfCountTakePart) {
   const Eigen::Vector2d place(13.8, 0.0);
   AddRock(place);
-  const RockSurvey survey = Compare({Survey(RockSize::kSmall, place)});
+  const RockSurvey survey = Compare({Survey("small", place)});
   EXPECT_TRUE(survey.rows.empty());
   EXPECT_EQ(survey.segmented, 1);
   EXPECT_EQ(survey.unknown, 0);
@@ -141,8 +141,7 @@ TEST_F(RockSurveyTest, RocksOutOfCountTakePart) {
 TEST_F(RockSurveyTest, PrintsATableAndTheSameNumbersAsJson) {
   AddRock({6.0, 0.5});
   AddRock({8.0, -3.0});
-  const RockSurvey survey =
-      Compare({Survey(RockSize::kMedium, {6.1, 0.5}), Survey(RockSize::kLarge, {7.0, -1.0})});
+  const RockSurvey survey = Compare({Survey("medium", {6.1, 0.5}), Survey("large", {7.0, -1.0})});
   const auto json = ToJson(survey);
   EXPECT_EQ(json["expected"], 2);
   EXPECT_EQ(json["found"], 1);
@@ -172,7 +171,13 @@ TEST_F(RockSurveyTest, JsonSaysWhetherTheClockIsDetermined) {
 TEST_F(RockSurveyTest, EmptyMapsAndSurveysHaveNoRows) {
   EXPECT_TRUE(Compare({}).rows.empty());
   map_.ground = GroundLevel(HeightGrid());
-  EXPECT_TRUE(Compare({Survey(RockSize::kSmall, {6.0, 0.5})}).rows.empty());
+  EXPECT_TRUE(Compare({Survey("small", {6.0, 0.5})}).rows.empty());
+}
+
+TEST_F(RockSurveyTest, RefusesPositionsOnAnotherGrid) {
+  SurveyedLandmark rock = Survey("small", {6.0, 0.5});
+  rock.position.epsg = 32632;
+  EXPECT_THROW(Compare({rock}), DataError);
 }
 
 TEST_F(RockSurveyTest, RefusesOptionsOutOfRange) {

@@ -91,7 +91,7 @@ TEST_F(SimulatedFiles, BytesDoNotDependOnTheThreads) {
 
 TEST_F(SimulatedFiles, DatasetReadsThemWithTheFaultsAskedFor) {
   const Dataset dataset = Open();
-  EXPECT_EQ(dataset.format, "katwijk");
+  EXPECT_EQ(dataset.format, DatasetFormat::kKatwijk);
   EXPECT_EQ(dataset.frames.size(), 10u - 3u);  // without dropped and lone (2)
   EXPECT_EQ(dataset.health.images_read, 2 * 10 - 2 - 2);
   EXPECT_EQ(dataset.health.lone_images.size(), 2u);
