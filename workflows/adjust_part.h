@@ -12,6 +12,7 @@
 #include "scene/dataset.h"
 #include "scene/odometry.h"
 #include "scene/trajectory.h"
+#include "scene/world_up.h"
 #include "workflows/part_options.h"
 
 namespace rigmap {
@@ -20,7 +21,7 @@ struct AdjustedPart {
   Adjustment adjustment;  // in its own gauge
   Odometry odometry;      // which frames that are not adjusted hang on; of the rig as corrected
   Rigid3 world_from_gauge;
-  std::string world_up;
+  WorldUp world_up = WorldUp::kCamera;
   Trajectory trajectory;             // every paired frame, in the world
   std::vector<std::string> remarks;  // what went otherwise than planned, a sentence each
 

@@ -129,7 +129,7 @@ void PartSummary::SetRig(const StereoRig& calibrated, const StereoRig& used) {
   rigs_ = {calibrated, used};
 }
 
-void PartSummary::SetTrajectory(const Trajectory& trajectory, const std::string& world_up) {
+void PartSummary::SetTrajectory(const Trajectory& trajectory, WorldUp world_up) {
   posed_ = static_cast<int>(trajectory.size());
   const auto predicted = std::ranges::count(trajectory, PoseSource::kPredicted, &TimedPose::source);
   if (predicted > 0) {
@@ -138,7 +138,7 @@ void PartSummary::SetTrajectory(const Trajectory& trajectory, const std::string&
                      "their sigmas say how far to trust them",
                      predicted, trajectory.size())});
   }
-  world_up_ = world_up;
+  world_up_ = Name(world_up);
 }
 
 PartResult PartSummary::Write(const StageRunner& run) const {

@@ -10,6 +10,7 @@
 #include "scene/mapping_result.h"
 #include "scene/placed_keyframes.h"
 #include "scene/trajectory.h"
+#include "scene/world_up.h"
 #include "workflows/reconstruct_part.h"
 #include "workflows/stage_runner.h"
 
@@ -28,7 +29,7 @@ class PartSummary {
   void SetMapping(const MappingResult& mapped);
   void AddRemarks(const std::vector<std::string>& remarks);
   void SetScale(const PlacedKeyframes& placed);
-  void SetTrajectory(const Trajectory& trajectory, const std::string& world_up);
+  void SetTrajectory(const Trajectory& trajectory, WorldUp world_up);
   void SetRig(const StereoRig& calibrated, const StereoRig& used);
   void AddGates(const Gates& gates) { gates_.insert(gates_.end(), gates.begin(), gates.end()); }
   void SetColmapVersion(const std::string& version) { colmap_version_ = version; }

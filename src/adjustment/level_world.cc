@@ -82,14 +82,14 @@ LevelledWorld LevelWorld(const std::vector<std::optional<Rigid3>>& gauge_from_le
   const Rigid3 first = FirstPose(gauge_from_left);
   LevelledWorld world;
   std::optional<Eigen::Vector3d> up = UpFromImu(gauge_from_left, dataset);
-  world.up_source = "imu";
+  world.up_source = WorldUp::kImu;
   if (!up) {
     up = UpFromGround(gauge_from_left, points_in_gauge);
-    world.up_source = "ground";
+    world.up_source = WorldUp::kGround;
   }
   if (!up) {
     up = -(first.rotation * Eigen::Vector3d::UnitY());
-    world.up_source = "camera";
+    world.up_source = WorldUp::kCamera;
   }
   Eigen::Vector3d heading = first.rotation * Eigen::Vector3d::UnitZ();
   heading -= heading.dot(*up) * *up;

@@ -3,16 +3,16 @@
 
 #include <optional>
 #include <span>
-#include <string>
 #include <vector>
 
 #include "scene/dataset.h"
+#include "scene/world_up.h"
 
 namespace rigmap {
 
 struct LevelledWorld {
   Rigid3 world_from_gauge;
-  std::string up_source;  // "imu", "ground" or "camera"
+  WorldUp up_source = WorldUp::kCamera;
 };
 
 // The world of the output: origin at the left camera of the first posed frame, z up, x the

@@ -15,7 +15,7 @@ namespace rigmap {
 namespace {
 
 // Raised whenever a stored type changes its shape, so that old artefacts are made anew.
-constexpr int kFormatVersion = 3;
+constexpr int kFormatVersion = 4;
 constexpr const char* kEndMark = "end.";
 
 std::string Hexadecimal(const XXH128_hash_t& hash) {

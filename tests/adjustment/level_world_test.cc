@@ -60,7 +60,7 @@ TEST_F(LevelWorldTest, TheInclinometerTellsUp) {
   Make(0.5);
   AddInclinometer();
   const LevelledWorld world = LevelWorld(Poses(), {}, dataset_);
-  EXPECT_EQ(world.up_source, "imu");
+  EXPECT_EQ(world.up_source, WorldUp::kImu);
   ExpectLevel(world, 1e-7);
 }
 
@@ -69,7 +69,7 @@ TEST_F(LevelWorldTest, ElseTheGroundWhateverTheGauge) {
   for (int trial = 0; trial < 5; ++trial) {
     gauge_from_rover_ = random_.Motion(500.0);
     const LevelledWorld world = LevelWorld(Poses(), Points(), dataset_);
-    EXPECT_EQ(world.up_source, "ground");
+    EXPECT_EQ(world.up_source, WorldUp::kGround);
     ExpectLevel(world, 1.0 * kDegree);
   }
 }
@@ -77,7 +77,7 @@ TEST_F(LevelWorldTest, ElseTheGroundWhateverTheGauge) {
 TEST_F(LevelWorldTest, ElseTheFirstCamera) {
   Make(0.0);
   const LevelledWorld world = LevelWorld(Poses(), {}, dataset_);
-  EXPECT_EQ(world.up_source, "camera");
+  EXPECT_EQ(world.up_source, WorldUp::kCamera);
   const Rigid3 world_from_left = world.world_from_gauge * *Poses()[0];
   EXPECT_LT(
       (world_from_left.rotation * -Eigen::Vector3d::UnitY() - Eigen::Vector3d::UnitZ()).norm(),
@@ -90,7 +90,7 @@ TEST_F(LevelWorldTest, PointsWithoutAPlaneAreNoGround) {
   Make(0.0);
   std::vector<Eigen::Vector3d> cloud;
   for (int i = 0; i < 500; ++i) cloud.push_back(random_.Vector(5.0));
-  EXPECT_EQ(LevelWorld(Poses(), cloud, dataset_).up_source, "camera");
+  EXPECT_EQ(LevelWorld(Poses(), cloud, dataset_).up_source, WorldUp::kCamera);
 }
 
 TEST_F(LevelWorldTest, TheOriginIsTheFirstFrameWithAPose) {

@@ -77,7 +77,7 @@ TEST_F(PartSummaryTest, CountsFramesAndWhatWasPassedOver) {
   placed.models[0].scale = {0.5, 0.001, {0, 2}, {}};
   placed.models[1].scale = {0.7, 0.003, {3}, {1}};
   summary.SetScale(placed);
-  summary.SetTrajectory(Trajectory(5), "imu");
+  summary.SetTrajectory(Trajectory(5), WorldUp::kImu);
   summary.SetRevisits({{.a = 0, .b = 3}, {.a = 0, .b = 4, .by_appearance = true}});
   const json written = Written(summary);
   EXPECT_EQ(written["frames"],
@@ -95,10 +95,10 @@ TEST_F(PartSummaryTest, SaysHowManyPosesWerePredicted) {
   Trajectory trajectory(5);
   for (TimedPose& pose : trajectory) pose.source = PoseSource::kAdjusted;
   PartSummary summary(request_);
-  summary.SetTrajectory(trajectory, "imu");
+  summary.SetTrajectory(trajectory, WorldUp::kImu);
   EXPECT_TRUE(Written(summary)["mapping"]["remarks"].empty());
   trajectory[3].source = PoseSource::kPredicted;
-  summary.SetTrajectory(trajectory, "imu");
+  summary.SetTrajectory(trajectory, WorldUp::kImu);
   EXPECT_THAT(Written(summary)["mapping"]["remarks"].at(0).get<std::string>(),
               testing::HasSubstr("1 of 5 poses"));
 }
