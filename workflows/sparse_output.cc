@@ -12,7 +12,6 @@
 #include "core/file.h"
 #include "export/ply.h"
 #include "imaging/image.h"
-#include "scene/keyframe_graph.h"
 
 namespace rigmap {
 namespace {
@@ -59,7 +58,7 @@ SparseModel MakeSparseOutput(const Dataset& dataset, const Adjustment& adjustmen
                              const Rigid3& world_from_gauge) {
   SparseModel model;
   const StereoRig& rig = adjustment.rig;
-  model.cameras = {{kLeftCameraId, rig.left.camera}, {kRightCameraId, rig.right.camera}};
+  model.cameras = {{Eye::kLeft, rig.left.camera}, {Eye::kRight, rig.right.camera}};
   std::vector<std::size_t> first_image(dataset.frames.size(), 0);
   std::vector<Rigid3> left_from_gauge(dataset.frames.size());
   for (std::size_t i = 0; i < dataset.frames.size(); ++i) {
@@ -69,9 +68,9 @@ SparseModel MakeSparseOutput(const Dataset& dataset, const Adjustment& adjustmen
     left_from_gauge[i] = pose->Inverse();
     const Rigid3 left_from_world = (world_from_gauge * *pose).Inverse();
     const int frame = static_cast<int>(i);
-    model.images.push_back({LeftImageId(frame), kLeftCameraId,
-                            ImageName(dataset.frames[i], Eye::kLeft), left_from_world});
-    model.images.push_back({RightImageId(frame), kRightCameraId,
+    model.images.push_back(
+        {{frame, Eye::kLeft}, ImageName(dataset.frames[i], Eye::kLeft), left_from_world});
+    model.images.push_back({{frame, Eye::kRight},
                             ImageName(dataset.frames[i], Eye::kRight),
                             rig.right_from_left * left_from_world});
   }
@@ -80,7 +79,7 @@ SparseModel MakeSparseOutput(const Dataset& dataset, const Adjustment& adjustmen
     double error_px = 0.0;
     for (const PointObservation& o : adjusted.observations) {
       SparseImage& image = model.images[first_image[o.frame] + (o.eye == Eye::kLeft ? 0 : 1)];
-      point.track.push_back({image.id, static_cast<std::uint32_t>(image.keypoints.size())});
+      point.track.push_back({image.ref, static_cast<std::uint32_t>(image.keypoints.size())});
       image.keypoints.push_back({o.pixel, point.id});
       const auto seen = Reproject(rig, o.eye, left_from_gauge[o.frame], adjusted.x);
       if (seen) error_px += (seen->pixel - o.pixel).norm();

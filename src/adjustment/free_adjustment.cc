@@ -6,7 +6,6 @@
 
 #include "adjustment/bundle.h"
 #include "core/statistics.h"
-#include "scene/keyframe_graph.h"
 
 namespace rigmap {
 namespace {
@@ -16,19 +15,18 @@ namespace {
 Bundle FreeBundle(const SparseModel& model, const StereoRig& rig) {
   Bundle bundle{.rig = rig};
   bundle.rig.right_from_left = Rigid3();
-  std::map<std::uint32_t, int> frame_of_image;
+  std::map<ImageRef, int> frame_of_image;
   for (const SparseImage& image : model.images) {
-    frame_of_image[image.id] = static_cast<int>(bundle.left_from_world.size());
+    frame_of_image[image.ref] = static_cast<int>(bundle.left_from_world.size());
     bundle.left_from_world.emplace_back(image.camera_from_model);
   }
   for (const SparsePoint& point : model.points) {
     AdjustedPoint& made = bundle.points.emplace_back();
     made.x = point.x_in_model;
     for (const TrackElement& element : point.track) {
-      const int frame = frame_of_image.at(element.image_id);
+      const int frame = frame_of_image.at(element.image);
       const SparseImage& image = model.images[frame];
-      made.observations.push_back({frame, static_cast<int>(element.keypoint),
-                                   image.camera_id == kLeftCameraId ? Eye::kLeft : Eye::kRight,
+      made.observations.push_back({frame, static_cast<int>(element.keypoint), image.ref.eye,
                                    image.keypoints[element.keypoint].pixel});
     }
     std::sort(made.observations.begin(), made.observations.end(),
@@ -42,8 +40,7 @@ std::set<int> SoundKeyframes(const SparseModel& model, const std::vector<int>& c
                              int min_observations) {
   std::map<int, int> sound_images;
   for (std::size_t i = 0; i < model.images.size(); ++i) {
-    const int keyframe = static_cast<int>((model.images[i].id - 1) / 2);
-    if (counts[i] >= min_observations) ++sound_images[keyframe];
+    if (counts[i] >= min_observations) ++sound_images[model.images[i].ref.frame];
   }
   std::set<int> sound;
   for (const auto& [keyframe, images] : sound_images) {
@@ -56,7 +53,7 @@ SparseModel ModelOf(const SparseModel& model, const Bundle& bundle, const std::s
   SparseModel result{.cameras = model.cameras};
   std::vector<std::optional<std::size_t>> place(model.images.size());
   for (std::size_t i = 0; i < model.images.size(); ++i) {
-    if (!sound.contains(static_cast<int>((model.images[i].id - 1) / 2))) continue;
+    if (!sound.contains(model.images[i].ref.frame)) continue;
     place[i] = result.images.size();
     SparseImage image = model.images[i];
     image.camera_from_model = *bundle.left_from_world[i];
@@ -70,7 +67,7 @@ SparseModel ModelOf(const SparseModel& model, const Bundle& bundle, const std::s
       const auto keypoint = static_cast<std::uint32_t>(o.feature);
       SparseImage& image = result.images[*place[o.frame]];
       image.keypoints[keypoint].point_id = point.id;
-      point.track.push_back({image.id, keypoint});
+      point.track.push_back({image.ref, keypoint});
     }
     if (!point.track.empty()) result.points.push_back(std::move(point));
   }

@@ -11,7 +11,7 @@ namespace rigmap {
 // a model that was made on the poses of a rig all left-right distances are equal by construction;
 // after this, their spread says how well its images agree with those poses. Drops observations
 // beyond the outlier limit, points that less than two images show, and both images of a keyframe
-// (ids 2k+1, 2k+2) of which one shows fewer than `min_observations` points.
+// of which one shows fewer than `min_observations` points.
 SparseModel AdjustFreely(const SparseModel& model, const StereoRig& rig, int min_observations,
                          const AdjustmentOptions& options);
 

@@ -11,6 +11,7 @@
 #include <set>
 
 #include "colmap/camera_model.h"
+#include "colmap/image_ids.h"
 #include "colmap/process.h"
 #include "core/error.h"
 
@@ -18,7 +19,8 @@ namespace rigmap {
 namespace {
 
 constexpr std::int64_t kImageLimit = std::numeric_limits<std::int32_t>::max();  // COLMAP's
-constexpr int kCalibrated = 2;  // two_view_geometries.config
+constexpr int kFrameLimit = static_cast<int>(kImageLimit / 2);  // ids stay below that
+constexpr int kCalibrated = 2;                                  // two_view_geometries.config
 constexpr const char* kUnfinished = ".unfinished";
 constexpr int kSqliteBusy = 5, kSqliteLocked = 6;
 constexpr std::array kDatabaseSuffixes{"", "-wal", "-shm", "-journal"};
@@ -40,33 +42,34 @@ void Require(bool holds, const std::filesystem::path& path, const std::string& s
 
 // ---- Checks ----
 
-void CheckPair(const DatabasePair& pair,
-               const std::map<std::uint32_t, const DatabaseImage*>& image_of_id,
+void CheckPair(const DatabasePair& pair, const std::map<ImageRef, const DatabaseImage*>& images,
                const std::filesystem::path& path) {
-  const auto a = image_of_id.find(pair.image_a), b = image_of_id.find(pair.image_b);
-  Require(
-      a != image_of_id.end() && b != image_of_id.end() && a != b, path,
-      fmt::format("expected a pair of two images, found {} and {}", pair.image_a, pair.image_b));
+  const std::uint32_t id_a = ImageIdOf(pair.image_a), id_b = ImageIdOf(pair.image_b);
+  const auto a = images.find(pair.image_a), b = images.find(pair.image_b);
+  Require(a != images.end() && b != images.end() && a != b, path,
+          fmt::format("expected a pair of two images, found {} and {}", id_a, id_b));
   const auto count_a = a->second->keypoints.size(), count_b = b->second->keypoints.size();
   for (const auto& [keypoint_a, keypoint_b] : pair.matches) {
     Require(keypoint_a < count_a && keypoint_b < count_b, path,
             fmt::format("pair {}, {}: expected matches within {} and {} keypoints, found {}, {}",
-                        pair.image_a, pair.image_b, count_a, count_b, keypoint_a, keypoint_b));
+                        id_a, id_b, count_a, count_b, keypoint_a, keypoint_b));
   }
 }
 
 void CheckContent(const DatabaseContent& content, const std::filesystem::path& path) {
-  std::set<std::uint32_t> camera_ids;
-  for (const auto& camera : content.cameras) camera_ids.insert(camera.id);
-  std::map<std::uint32_t, const DatabaseImage*> image_of_id;
+  std::set<Eye> cameras;
+  for (const auto& camera : content.cameras) cameras.insert(camera.eye);
+  std::map<ImageRef, const DatabaseImage*> images;
   for (const auto& image : content.images) {
-    Require(image.id > 0 && image.id < kImageLimit, path,
-            fmt::format("expected image ids from 1 to {}, found {}", kImageLimit - 1, image.id));
-    Require(camera_ids.count(image.camera_id) > 0, path,
-            fmt::format("image {}: expected a known camera, found {}", image.id, image.camera_id));
-    image_of_id.emplace(image.id, &image);
+    const auto [frame, eye] = image.ref;
+    Require(frame >= 0 && frame < kFrameLimit, path,
+            fmt::format("expected frames from 0 to {}, found {}", kFrameLimit - 1, frame));
+    Require(cameras.contains(eye), path,
+            fmt::format("image {}: expected a known camera, found {}", ImageIdOf(image.ref),
+                        CameraIdOf(eye)));
+    images.emplace(image.ref, &image);
   }
-  for (const auto& pair : content.pairs) CheckPair(pair, image_of_id, path);
+  for (const auto& pair : content.pairs) CheckPair(pair, images, path);
 }
 
 void CheckTables(SQLite::Database& database, const ColmapInstallation& colmap) {
@@ -89,9 +92,9 @@ void InsertCameras(SQLite::Database& database, const std::vector<SparseCamera>& 
   SQLite::Statement insert(database,
                            "INSERT INTO cameras (camera_id, model, width, height, params, "
                            "prior_focal_length) VALUES (?, ?, ?, ?, ?, 1)");
-  for (const auto& [id, camera] : cameras) {
+  for (const auto& [eye, camera] : cameras) {
     const ColmapCamera converted = ToColmap(camera);
-    insert.bind(1, static_cast<std::int64_t>(id));
+    insert.bind(1, static_cast<std::int64_t>(CameraIdOf(eye)));
     insert.bind(2, converted.model);
     insert.bind(3, camera.width);
     insert.bind(4, camera.height);
@@ -108,9 +111,10 @@ void InsertImages(SQLite::Database& database, const std::vector<DatabaseImage>& 
   SQLite::Statement insert_keypoints(
       database, "INSERT INTO keypoints (image_id, rows, cols, data) VALUES (?, ?, 2, ?)");
   for (const auto& image : images) {
-    insert_image.bind(1, static_cast<std::int64_t>(image.id));
+    const auto id = static_cast<std::int64_t>(ImageIdOf(image.ref));
+    insert_image.bind(1, id);
     insert_image.bind(2, image.name);
-    insert_image.bind(3, static_cast<std::int64_t>(image.camera_id));
+    insert_image.bind(3, static_cast<std::int64_t>(CameraIdOf(image.ref.eye)));
     insert_image.exec();
     insert_image.reset();
     std::vector<float> data;
@@ -118,7 +122,7 @@ void InsertImages(SQLite::Database& database, const std::vector<DatabaseImage>& 
       data.push_back(keypoint.x() + static_cast<float>(kColmapPixelShift));
       data.push_back(keypoint.y() + static_cast<float>(kColmapPixelShift));
     }
-    insert_keypoints.bind(1, static_cast<std::int64_t>(image.id));
+    insert_keypoints.bind(1, id);
     insert_keypoints.bind(2, static_cast<std::int64_t>(image.keypoints.size()));
     insert_keypoints.bind(3, data.data(), static_cast<int>(data.size() * sizeof(float)));
     insert_keypoints.exec();
@@ -147,7 +151,7 @@ void InsertPairs(SQLite::Database& database, const std::vector<DatabasePair>& pa
                                                 kCalibrated));
   for (const auto& pair : pairs) {
     const std::vector<std::uint32_t> data = MatchData(pair);
-    const auto [smaller, larger] = std::minmax(pair.image_a, pair.image_b);
+    const auto [smaller, larger] = std::minmax({ImageIdOf(pair.image_a), ImageIdOf(pair.image_b)});
     for (SQLite::Statement* insert : {&insert_matches, &insert_geometry}) {
       insert->bind(1, PairId(smaller, larger));
       insert->bind(2, static_cast<std::int64_t>(pair.matches.size()));
@@ -187,16 +191,16 @@ struct Unfinished {
 };
 
 DatabaseImage ReadImageRow(SQLite::Statement& row, const std::filesystem::path& path) {
-  DatabaseImage image{.id = row.getColumn(0).getUInt(),
-                      .camera_id = row.getColumn(2).getUInt(),
-                      .name = row.getColumn(1).getString(),
-                      .keypoints = {}};
+  const std::uint32_t id = row.getColumn(0).getUInt(), camera = row.getColumn(2).getUInt();
+  Require(id > 0 && camera == CameraIdOf(ImageOf(id).eye), path,
+          fmt::format("expected images of a rig, found image {} of camera {}", id, camera));
+  DatabaseImage image{.ref = ImageOf(id), .name = row.getColumn(1).getString(), .keypoints = {}};
   const auto count = static_cast<std::size_t>(row.getColumn(3).getInt64());
   const auto columns = static_cast<std::size_t>(row.getColumn(4).getInt64());
   const auto blob = row.getColumn(5);
   Require(
       columns >= 2 && static_cast<std::size_t>(blob.getBytes()) == count * columns * sizeof(float),
-      path, fmt::format("image {}: its keypoints do not have the stated size", image.id));
+      path, fmt::format("image {}: its keypoints do not have the stated size", id));
   std::vector<float> data(count * columns);
   if (!data.empty()) std::memcpy(data.data(), blob.getBlob(), data.size() * sizeof(float));
   for (std::size_t i = 0; i < count; ++i) {
@@ -208,8 +212,8 @@ DatabaseImage ReadImageRow(SQLite::Statement& row, const std::filesystem::path& 
 
 DatabasePair ReadPair(SQLite::Statement& row, const std::filesystem::path& path) {
   const std::int64_t pair_id = row.getColumn(0).getInt64();
-  DatabasePair pair{.image_a = static_cast<std::uint32_t>(pair_id / kImageLimit),
-                    .image_b = static_cast<std::uint32_t>(pair_id % kImageLimit),
+  DatabasePair pair{.image_a = ImageOf(static_cast<std::uint32_t>(pair_id / kImageLimit)),
+                    .image_b = ImageOf(static_cast<std::uint32_t>(pair_id % kImageLimit)),
                     .matches = {}};
   const auto count = static_cast<std::size_t>(row.getColumn(1).getInt64());
   const auto blob = row.getColumn(2);
@@ -231,7 +235,11 @@ SparseCamera ReadCameraRow(SQLite::Statement& row, const std::filesystem::path& 
           "a camera does not have the parameters of its model");
   camera.parameters.resize(*count);
   std::memcpy(camera.parameters.data(), blob.getBlob(), *count * sizeof(double));
-  return {.id = row.getColumn(0).getUInt(),
+  const std::uint32_t id = row.getColumn(0).getUInt();
+  const Eye eye = id == CameraIdOf(Eye::kLeft) ? Eye::kLeft : Eye::kRight;
+  Require(id == CameraIdOf(eye), path,
+          fmt::format("expected camera 1 (left) or 2 (right), found {}", id));
+  return {.eye = eye,
           .camera = FromColmap(camera, row.getColumn(2).getInt(), row.getColumn(3).getInt())};
 }
 

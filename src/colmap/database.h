@@ -14,14 +14,13 @@
 namespace rigmap {
 
 struct DatabaseImage {
-  std::uint32_t id = 0;  // 1 to 2147483646
-  std::uint32_t camera_id = 0;
+  ImageRef ref;
   std::string name;                        // relative to the image folder; unique
   std::vector<Eigen::Vector2f> keypoints;  // px, OpenCV's convention, distorted image
 };
 
 struct DatabasePair {
-  std::uint32_t image_a = 0, image_b = 0;  // different; in any order
+  ImageRef image_a, image_b;  // different; in any order
   // (keypoint of image_a, keypoint of image_b), verified by the caller.
   std::vector<std::pair<std::uint32_t, std::uint32_t>> matches;
 };
@@ -41,13 +40,13 @@ void RequireUnlocked(const std::filesystem::path& path);
 // are marked as calibrated; each pair's matches count as verified (two_view_geometries, config 2)
 // and as raw matches. No descriptors are stored. The tool's output is appended to `log_path`.
 //
-// Throws DataError when ids, names or keypoint indices contradict each other, when the file cannot
-// be written or another program has locked a database at `path`; ToolError when
+// Throws DataError when images, names or keypoint indices contradict each other, when the file
+// cannot be written or another program has locked a database at `path`; ToolError when
 // database_creator fails or makes a table without a column that is needed.
 void WriteDatabase(const ColmapInstallation& colmap, const DatabaseContent& content,
                    const std::filesystem::path& path, const std::filesystem::path& log_path);
 
-// What such a database holds, in order of ids; pairs come from two_view_geometries and have
+// What such a database holds, in order of images; pairs come from two_view_geometries and have
 // image_a < image_b. Throws DataError.
 DatabaseContent ReadDatabase(const std::filesystem::path& path);
 

@@ -7,11 +7,13 @@
 #include <cstring>
 #include <limits>
 #include <ostream>
+#include <set>
 #include <string>
 #include <type_traits>
 #include <unordered_map>
 
 #include "colmap/camera_model.h"
+#include "colmap/image_ids.h"
 #include "core/error.h"
 #include "core/file.h"
 
@@ -85,7 +87,11 @@ class Reader {
 };
 
 SparseCamera ReadCamera(Reader& reader) {
-  SparseCamera result{.id = reader.Take<std::uint32_t>(), .camera = {}};
+  const auto id = reader.Take<std::uint32_t>();
+  const Eye eye = id == CameraIdOf(Eye::kLeft) ? Eye::kLeft : Eye::kRight;
+  if (id != CameraIdOf(eye)) {
+    throw reader.Damaged(fmt::format("expected camera 1 (left) or 2 (right), found {}", id));
+  }
   ColmapCamera camera{.model = reader.Take<std::int32_t>(), .parameters = {}};
   const auto width = reader.Take<std::uint64_t>(), height = reader.Take<std::uint64_t>();
   if (width > kLargestImageSide || height > kLargestImageSide) {
@@ -97,8 +103,13 @@ SparseCamera ReadCamera(Reader& reader) {
         fmt::format("expected camera model PINHOLE or OPENCV, found {}", ModelName(camera.model)));
   }
   for (std::size_t i = 0; i < *count; ++i) camera.parameters.push_back(reader.TakeFinite());
-  result.camera = FromColmap(camera, static_cast<int>(width), static_cast<int>(height));
-  return result;
+  return {eye, FromColmap(camera, static_cast<int>(width), static_cast<int>(height))};
+}
+
+ImageRef TakeImage(Reader& reader) {
+  const auto id = reader.Take<std::uint32_t>();
+  if (id == 0) throw reader.Damaged("expected image ids from 1, found 0");
+  return ImageOf(id);
 }
 
 std::vector<SparseKeypoint> ReadKeypoints(Reader& reader) {
@@ -125,9 +136,13 @@ Rigid3 ReadPose(Reader& reader) {
 
 SparseImage ReadImage(Reader& reader) {
   SparseImage image;
-  image.id = reader.Take<std::uint32_t>();
+  image.ref = TakeImage(reader);
   image.camera_from_model = ReadPose(reader);
-  image.camera_id = reader.Take<std::uint32_t>();
+  const auto camera = reader.Take<std::uint32_t>();
+  if (camera != CameraIdOf(image.ref.eye)) {
+    throw reader.Damaged(fmt::format("expected image {} to be of camera {}, found camera {}",
+                                     ImageIdOf(image.ref), CameraIdOf(image.ref.eye), camera));
+  }
   image.name = reader.TakeName();
   image.keypoints = ReadKeypoints(reader);
   return image;
@@ -141,7 +156,7 @@ SparsePoint ReadPoint(Reader& reader) {
   point.error_px = reader.TakeFinite();
   point.track.resize(reader.TakeCount(kTrackBytes));
   for (auto& element : point.track) {
-    element.image_id = reader.Take<std::uint32_t>();
+    element.image = TakeImage(reader);
     element.keypoint = reader.Take<std::uint32_t>();
   }
   return point;
@@ -163,21 +178,22 @@ void CheckReferences(const SparseModel& model, const std::filesystem::path& fold
   const auto require = [&](bool holds, const char* file, const std::string& sentence) {
     if (!holds) throw DataError(fmt::format("{}: {}", (folder / file).string(), sentence));
   };
-  std::unordered_map<std::uint32_t, const Camera*> cameras;
-  for (const auto& [id, camera] : model.cameras) cameras.emplace(id, &camera);
+  std::set<Eye> cameras;
+  for (const auto& [eye, camera] : model.cameras) cameras.insert(eye);
   std::unordered_map<std::uint32_t, std::size_t> keypoint_counts;
   for (const auto& image : model.images) {
-    require(
-        cameras.count(image.camera_id) > 0, kImagesFile,
-        fmt::format("image {} names camera {}, which does not exist", image.id, image.camera_id));
-    keypoint_counts.emplace(image.id, image.keypoints.size());
+    const std::uint32_t id = ImageIdOf(image.ref);
+    require(cameras.contains(image.ref.eye), kImagesFile,
+            fmt::format("image {} names camera {}, which does not exist", id,
+                        CameraIdOf(image.ref.eye)));
+    keypoint_counts.emplace(id, image.keypoints.size());
   }
   for (const auto& point : model.points) {
-    for (const auto& [image_id, keypoint] : point.track) {
-      const auto count = keypoint_counts.find(image_id);
+    for (const auto& [image, keypoint] : point.track) {
+      const auto count = keypoint_counts.find(ImageIdOf(image));
       require(count != keypoint_counts.end() && keypoint < count->second, kPointsFile,
               fmt::format("point {} names keypoint {} of image {}, which does not exist", point.id,
-                          keypoint, image_id));
+                          keypoint, ImageIdOf(image)));
     }
   }
 }
@@ -194,9 +210,9 @@ void PutCount(std::ostream& stream, std::size_t count) {
 
 void WriteCameras(std::ostream& stream, const std::vector<SparseCamera>& cameras) {
   PutCount(stream, cameras.size());
-  for (const auto& [id, camera] : cameras) {
+  for (const auto& [eye, camera] : cameras) {
     const ColmapCamera converted = ToColmap(camera);
-    Put(stream, id);
+    Put(stream, CameraIdOf(eye));
     Put(stream, static_cast<std::int32_t>(converted.model));
     Put(stream, static_cast<std::uint64_t>(camera.width));
     Put(stream, static_cast<std::uint64_t>(camera.height));
@@ -207,11 +223,11 @@ void WriteCameras(std::ostream& stream, const std::vector<SparseCamera>& cameras
 void WriteImages(std::ostream& stream, const std::vector<SparseImage>& images) {
   PutCount(stream, images.size());
   for (const auto& image : images) {
-    Put(stream, image.id);
+    Put(stream, ImageIdOf(image.ref));
     Put(stream, image.camera_from_model.rotation.w());
     for (int i = 0; i < 3; ++i) Put(stream, image.camera_from_model.rotation.vec()[i]);
     for (int i = 0; i < 3; ++i) Put(stream, image.camera_from_model.translation[i]);
-    Put(stream, image.camera_id);
+    Put(stream, CameraIdOf(image.ref.eye));
     stream.write(image.name.c_str(), static_cast<std::streamsize>(image.name.size() + 1));
     PutCount(stream, image.keypoints.size());
     for (const auto& keypoint : image.keypoints) {
@@ -232,7 +248,7 @@ void WritePoints(std::ostream& stream, const std::vector<SparsePoint>& points) {
     Put(stream, point.error_px);
     PutCount(stream, point.track.size());
     for (const auto& element : point.track) {
-      Put(stream, element.image_id);
+      Put(stream, ImageIdOf(element.image));
       Put(stream, element.keypoint);
     }
   }

@@ -7,7 +7,8 @@
 //   points3D.bin  u64 count; each: u64 id, f64 x y z, u8 r g b, f64 error, u64 track; each: u32
 //                 image id, u32 keypoint
 //
-// Pixels in the files are COLMAP's, those of SparseModel OpenCV's.
+// Pixels in the files are COLMAP's, those of SparseModel OpenCV's. The left camera is 1, the right
+// one 2; frame k's images are 2k + 1 (left) and 2k + 2 (right).
 #pragma once
 
 #include <filesystem>
@@ -18,7 +19,8 @@ namespace rigmap {
 
 // Everything in the order of the files. Throws DataError naming the file when it is missing,
 // truncated, longer than it says, holds numbers that are not finite or names cameras, images or
-// keypoints that do not exist, and for camera models other than PINHOLE and OPENCV.
+// keypoints that do not exist, for cameras and images numbered otherwise than a rig's, and for
+// camera models other than PINHOLE and OPENCV.
 SparseModel ReadModel(const std::filesystem::path& folder);
 
 // Creates the folder; each file is replaced as a whole, other files stay. Reading COLMAP's own

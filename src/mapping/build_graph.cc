@@ -77,13 +77,13 @@ KeyframeGraph BuildKeyframeGraph(const Correspondences& correspondences, const O
 DatabaseContent MakeDatabaseContent(const KeyframeGraph& graph,
                                     const Correspondences& correspondences, const StereoRig& rig) {
   DatabaseContent content;
-  content.cameras = {{kLeftCameraId, rig.left.camera}, {kRightCameraId, rig.right.camera}};
+  content.cameras = {{Eye::kLeft, rig.left.camera}, {Eye::kRight, rig.right.camera}};
   for (std::size_t k = 0; k < graph.keyframes.size(); ++k) {
     const GraphKeyframe& keyframe = graph.keyframes[k];
     const int index = static_cast<int>(k);
-    DatabaseImage left{LeftImageId(index), kLeftCameraId, keyframe.left_name, {}};
-    DatabaseImage right{RightImageId(index), kRightCameraId, keyframe.right_name, {}};
-    DatabasePair stereo{left.id, right.id, {}};
+    DatabaseImage left{{index, Eye::kLeft}, keyframe.left_name, {}};
+    DatabaseImage right{{index, Eye::kRight}, keyframe.right_name, {}};
+    DatabasePair stereo{left.ref, right.ref, {}};
     for (std::size_t i = 0; i < keyframe.features.size(); ++i) {
       const Feature& feature = correspondences.features[keyframe.frame][keyframe.features[i]];
       left.keypoints.push_back(feature.left.cast<float>());
@@ -100,8 +100,8 @@ DatabaseContent MakeDatabaseContent(const KeyframeGraph& graph,
     for (std::size_t i = 0; i < track.size(); ++i) {
       for (std::size_t j = i + 1; j < std::min(track.size(), i + 1 + kTrackNeighbours); ++j) {
         DatabasePair& pair = between[{track[i].frame, track[j].frame}];
-        pair.image_a = LeftImageId(track[i].frame);
-        pair.image_b = LeftImageId(track[j].frame);
+        pair.image_a = {track[i].frame, Eye::kLeft};
+        pair.image_b = {track[j].frame, Eye::kLeft};
         pair.matches.emplace_back(track[i].feature, track[j].feature);
       }
     }

@@ -162,7 +162,7 @@ class KeyframeMapper {
   void MarkRegistered(std::vector<bool>& left_over) const {
     if (made_.empty()) return;
     for (const SparseImage& image : made_.back().model.images) {
-      left_over[(image.id - 1) / 2] = false;
+      left_over[image.ref.frame] = false;
     }
     const int keyframes = static_cast<int>(left_over.size());
     for (int first = 0; first < keyframes; ++first) {

@@ -10,17 +10,12 @@ namespace {
 constexpr int kMinSharedTracks = 30;
 constexpr double kMaxErrorPx = 4.0;
 
-SparseImage MakeImage(std::uint32_t id, std::uint32_t camera_id, const std::string& name,
-                      const Rigid3& camera_from_world) {
-  return {.id = id, .camera_id = camera_id, .name = name, .camera_from_model = camera_from_world};
-}
-
 void AddImages(const GraphWithPoses& input, int keyframe, SparseModel& model) {
   const GraphKeyframe& of = input.graph.keyframes[keyframe];
   const Rigid3 left_from_world = input.world_from_left[keyframe].Inverse();
-  SparseImage left = MakeImage(LeftImageId(keyframe), kLeftCameraId, of.left_name, left_from_world);
-  SparseImage right = MakeImage(RightImageId(keyframe), kRightCameraId, of.right_name,
-                                input.rig.right_from_left * left_from_world);
+  SparseImage left{{keyframe, Eye::kLeft}, of.left_name, left_from_world, {}};
+  SparseImage right{
+      {keyframe, Eye::kRight}, of.right_name, input.rig.right_from_left * left_from_world, {}};
   for (std::size_t i = 0; i < of.features.size(); ++i) {
     const Feature& feature = input.correspondences.features[of.frame][of.features[i]];
     left.keypoints.push_back({feature.left});
@@ -62,26 +57,27 @@ std::optional<int> BestSeedStart(const KeyframeGraph& graph, const std::vector<b
 
 SparseModel MakeSeedModel(const GraphWithPoses& input, int first, int length) {
   SparseModel model;
-  model.cameras = {{kLeftCameraId, input.rig.left.camera},
-                   {kRightCameraId, input.rig.right.camera}};
+  model.cameras = {{Eye::kLeft, input.rig.left.camera}, {Eye::kRight, input.rig.right.camera}};
   for (int k = first; k < first + length; ++k) AddImages(input, k, model);
+  const auto place = [&](const ImageRef& image) {
+    return 2 * static_cast<std::size_t>(image.frame - first) + (image.eye == Eye::kLeft ? 0 : 1);
+  };
   for (const Track& track : input.graph.tracks) {
     SparsePoint point;
     std::vector<View> views;
-    const auto add = [&](std::size_t image, std::uint32_t keypoint) {
-      const SparseImage& of = model.images[image];
-      const Camera& camera = input.rig.Of(image % 2 == 0 ? Eye::kLeft : Eye::kRight).camera;
+    const auto add = [&](const ImageRef& image, std::uint32_t keypoint) {
+      const SparseImage& of = model.images[place(image)];
+      const Camera& camera = input.rig.Of(of.ref.eye).camera;
       const auto normalised = Undistort(camera, of.keypoints[keypoint].pixel);
       if (!normalised) return;
       views.push_back({of.camera_from_model, *normalised});
-      point.track.push_back({of.id, keypoint});
+      point.track.push_back({of.ref, keypoint});
     };
     for (const auto& [keyframe, keypoint] : track) {
       if (keyframe < first || keyframe >= first + length) continue;
-      const std::size_t left = 2 * static_cast<std::size_t>(keyframe - first);
-      add(left, static_cast<std::uint32_t>(keypoint));
+      add({keyframe, Eye::kLeft}, static_cast<std::uint32_t>(keypoint));
       const auto& right = input.graph.keyframes[keyframe].right_keypoints[keypoint];
-      if (right) add(left + 1, *right);
+      if (right) add({keyframe, Eye::kRight}, *right);
     }
     const auto x = views.size() >= 2 ? Triangulate(views) : std::nullopt;
     if (!x) continue;
@@ -94,8 +90,7 @@ SparseModel MakeSeedModel(const GraphWithPoses& input, int first, int length) {
     point.id = model.points.size() + 1;
     point.x_in_model = *x;
     for (const TrackElement& element : point.track) {
-      const std::size_t image = element.image_id - LeftImageId(first);
-      model.images[image].keypoints[element.keypoint].point_id = point.id;
+      model.images[place(element.image)].keypoints[element.keypoint].point_id = point.id;
     }
     model.points.push_back(std::move(point));
   }

@@ -6,7 +6,6 @@
 #include <set>
 
 #include "core/statistics.h"
-#include "scene/keyframe_graph.h"
 
 namespace rigmap {
 namespace {
@@ -14,8 +13,8 @@ namespace {
 std::map<int, Rigid3> LeftPoses(const SparseModel& model) {
   std::map<int, Rigid3> poses;
   for (const SparseImage& image : model.images) {
-    const int keyframe = static_cast<int>((image.id - 1) / 2);
-    if (image.id == LeftImageId(keyframe)) poses[keyframe] = image.camera_from_model.Inverse();
+    const auto& [keyframe, eye] = image.ref;
+    if (eye == Eye::kLeft) poses[keyframe] = image.camera_from_model.Inverse();
   }
   return poses;
 }
@@ -25,9 +24,9 @@ std::map<int, double> EyeDistances(const SparseModel& model) {
   const std::map<int, Rigid3> left = LeftPoses(model);
   std::map<int, double> distances;
   for (const SparseImage& image : model.images) {
-    const int keyframe = static_cast<int>((image.id - 1) / 2);
+    const auto& [keyframe, eye] = image.ref;
     const auto other = left.find(keyframe);
-    if (image.id != RightImageId(keyframe) || other == left.end()) continue;
+    if (eye != Eye::kRight || other == left.end()) continue;
     distances[keyframe] =
         (image.camera_from_model.Inverse().translation - other->second.translation).norm();
   }

@@ -11,7 +11,7 @@
 
 namespace rigmap {
 
-// From every keyframe (image ids 2k+1 left, 2k+2 right) that has both eyes in the model. Nothing if
+// From every keyframe that has both eyes in the model. Nothing if
 // there is none. Does not depend on the model's gauge, and scales inversely with it.
 std::optional<BaselineScale> MeasureBaseline(const SparseModel& model, double baseline_m,
                                              const ScaleOptions& options);

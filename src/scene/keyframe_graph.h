@@ -36,11 +36,4 @@ struct KeyframeGraph {
   }
 };
 
-// COLMAP's ids of keyframe k's images; cameras are 1 (left) and 2 (right).
-constexpr std::uint32_t LeftImageId(int keyframe) {
-  return 2U * static_cast<std::uint32_t>(keyframe) + 1U;
-}
-constexpr std::uint32_t RightImageId(int keyframe) { return LeftImageId(keyframe) + 1U; }
-constexpr std::uint32_t kLeftCameraId = 1, kRightCameraId = 2;
-
 }  // namespace rigmap

@@ -1,7 +1,8 @@
-// A sparse reconstruction as COLMAP knows it: cameras, posed images, points with their tracks.
+// A sparse reconstruction: cameras, posed images, points with their tracks.
 #pragma once
 
 #include <array>
+#include <compare>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -10,16 +11,32 @@
 #include "geometry/camera.h"
 #include "geometry/rigid3.h"
 #include "geometry/serialize.h"
+#include "scene/rig.h"
 
 namespace rigmap {
 
-struct SparseCamera {
-  std::uint32_t id = 0;
-  Camera camera;  // OpenCV's pixel convention; the files hold COLMAP's
+// One eye's image of a frame: of the keyframes where the model was mapped from keyframes, else of
+// the part's frames.
+struct ImageRef {
+  int frame = 0;
+  Eye eye = Eye::kLeft;
+
+  // clang-tidy takes the zero that <=> is compared with for a pointer.
+  auto operator<=>(const ImageRef&) const = default;  // NOLINT(modernize-use-nullptr)
 
   template <class Archive>
   void serialize(Archive& archive) {
-    archive(id, camera);
+    archive(frame, eye);
+  }
+};
+
+struct SparseCamera {
+  Eye eye = Eye::kLeft;
+  Camera camera;  // OpenCV's pixel convention; COLMAP's files hold its own
+
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(eye, camera);
   }
 };
 
@@ -34,25 +51,24 @@ struct SparseKeypoint {
 };
 
 struct SparseImage {
-  std::uint32_t id = 0;
-  std::uint32_t camera_id = 0;
+  ImageRef ref;
   std::string name;  // relative to the image folder: "left/<stamp_ns>.png"
   Rigid3 camera_from_model;
   std::vector<SparseKeypoint> keypoints;
 
   template <class Archive>
   void serialize(Archive& archive) {
-    archive(id, camera_id, name, camera_from_model, keypoints);
+    archive(ref, name, camera_from_model, keypoints);
   }
 };
 
 struct TrackElement {
-  std::uint32_t image_id = 0;
+  ImageRef image;
   std::uint32_t keypoint = 0;  // index into that image's keypoints
 
   template <class Archive>
   void serialize(Archive& archive) {
-    archive(image_id, keypoint);
+    archive(image, keypoint);
   }
 };
 

@@ -4,7 +4,6 @@
 
 #include "core/statistics.h"
 #include "correspondence/tracks.h"
-#include "scene/keyframe_graph.h"
 #include "tests/adjustment/rover_bundle.h"
 
 namespace rigmap {
@@ -17,13 +16,12 @@ class FreeAdjustmentTest : public AdjustTest {
 
   SparseModel ModelOn(const std::vector<Rigid3>& poses) const {
     SparseModel model;
-    model.cameras = {{kLeftCameraId, rover_.rig.left.camera},
-                     {kRightCameraId, rover_.rig.right.camera}};
+    model.cameras = {{Eye::kLeft, rover_.rig.left.camera}, {Eye::kRight, rover_.rig.right.camera}};
     for (int k = 0; k < static_cast<int>(poses.size()); ++k) {
       const Rigid3 left_from_world = poses[k].Inverse();
-      model.images.push_back({LeftImageId(k), kLeftCameraId, "l", left_from_world});
+      model.images.push_back({{k, Eye::kLeft}, "l", left_from_world, {}});
       model.images.push_back(
-          {RightImageId(k), kRightCameraId, "r", rover_.rig.right_from_left * left_from_world});
+          {{k, Eye::kRight}, "r", rover_.rig.right_from_left * left_from_world, {}});
     }
     const auto points = TriangulateTracks(BuildTracks(correspondences_, false), correspondences_,
                                           rover_.rig, InverseOf(AllOf(poses)), 50.0, 1000.0);
@@ -31,7 +29,7 @@ class FreeAdjustmentTest : public AdjustTest {
       SparsePoint point{.id = model.points.size() + 1, .x_in_model = made.x};
       for (const PointObservation& o : made.observations) {
         SparseImage& image = model.images[2 * o.frame + (o.eye == Eye::kRight ? 1 : 0)];
-        point.track.push_back({image.id, static_cast<std::uint32_t>(image.keypoints.size())});
+        point.track.push_back({image.ref, static_cast<std::uint32_t>(image.keypoints.size())});
         image.keypoints.push_back({o.pixel, point.id});
       }
       model.points.push_back(std::move(point));
@@ -79,14 +77,15 @@ TEST_F(FreeAdjustmentTest, KeyframesWithoutObservationsLeaveTheModel) {
   SparseModel model = ModelOn(rover_.world_from_left);
   // The fourth keyframe's left image loses its points.
   for (SparsePoint& point : model.points) {
-    std::erase_if(point.track,
-                  [](const auto& element) { return element.image_id == LeftImageId(3); });
+    std::erase_if(point.track, [](const auto& element) {
+      return element.image == ImageRef{3, Eye::kLeft};
+    });
   }
   const SparseModel free = AdjustFreely(model, rover_.rig, 15, {});
   EXPECT_EQ(free.images.size(), 14U);
-  for (const SparseImage& image : free.images) EXPECT_NE((image.id - 1) / 2, 3U);
+  for (const SparseImage& image : free.images) EXPECT_NE(image.ref.frame, 3);
   for (const SparsePoint& point : free.points) {
-    for (const TrackElement& element : point.track) EXPECT_NE((element.image_id - 1) / 2, 3U);
+    for (const TrackElement& element : point.track) EXPECT_NE(element.image.frame, 3);
   }
 }
 

@@ -20,11 +20,12 @@ using testing::Pair;
 DatabaseContent SmallContent() {
   DatabaseContent content;
   content.cameras = {
-      {1, LocCamRig().left.camera},
-      {2, {.width = 640, .height = 480, .fx = 500, .fy = 501, .cx = 320, .cy = 240}}};
-  content.images = {{1, 1, "left/1.png", {{0.0F, 0.0F}, {10.25F, 20.5F}, {1023.0F, 767.0F}}},
-                    {2, 2, "right/1.png", {{5.0F, 6.0F}, {7.0F, 8.0F}}}};
-  content.pairs = {{2, 1, {{0, 2}, {1, 0}}}};
+      {Eye::kLeft, LocCamRig().left.camera},
+      {Eye::kRight, {.width = 640, .height = 480, .fx = 500, .fy = 501, .cx = 320, .cy = 240}}};
+  content.images = {
+      {{0, Eye::kLeft}, "left/1.png", {{0.0F, 0.0F}, {10.25F, 20.5F}, {1023.0F, 767.0F}}},
+      {{0, Eye::kRight}, "right/1.png", {{5.0F, 6.0F}, {7.0F, 8.0F}}}};
+  content.pairs = {{{0, Eye::kRight}, {0, Eye::kLeft}, {{0, 2}, {1, 0}}}};
   return content;
 }
 
@@ -57,8 +58,7 @@ TEST_F(WriteDatabaseTest, ComesBackAsItWas) {
   EXPECT_TRUE(read.cameras[1].camera.IsPinhole());
   ASSERT_EQ(read.images.size(), 2u);
   for (int i = 0; i < 2; ++i) {
-    EXPECT_EQ(read.images[i].id, content.images[i].id);
-    EXPECT_EQ(read.images[i].camera_id, content.images[i].camera_id);
+    EXPECT_EQ(read.images[i].ref, content.images[i].ref);
     EXPECT_EQ(read.images[i].name, content.images[i].name);
     EXPECT_EQ(read.images[i].keypoints, content.images[i].keypoints);
   }
@@ -68,8 +68,8 @@ TEST_F(WriteDatabaseTest, PutsTheSmallerIdFirst) {
   Write(SmallContent());
   const DatabaseContent read = ReadDatabase(path_);
   ASSERT_EQ(read.pairs.size(), 1u);
-  EXPECT_EQ(read.pairs[0].image_a, 1u);
-  EXPECT_EQ(read.pairs[0].image_b, 2u);
+  EXPECT_EQ(read.pairs[0].image_a, (ImageRef{0, Eye::kLeft}));
+  EXPECT_EQ(read.pairs[0].image_b, (ImageRef{0, Eye::kRight}));
   EXPECT_THAT(read.pairs[0].matches, ElementsAre(Pair(2, 0), Pair(0, 1)));
 }
 
@@ -107,8 +107,8 @@ TEST_F(WriteDatabaseTest, LeavesOneFileAndReplacesAnOldOne) {
 
 TEST_F(WriteDatabaseTest, AcceptsImagesAndPairsWithoutContent) {
   DatabaseContent content = SmallContent();
-  content.images.push_back({7, 1, "left/2.png", {}});
-  content.pairs.push_back({1, 7, {}});
+  content.images.push_back({{3, Eye::kLeft}, "left/2.png", {}});
+  content.pairs.push_back({{0, Eye::kLeft}, {3, Eye::kLeft}, {}});
   Write(content);
   EXPECT_TRUE(ReadDatabase(path_).images[2].keypoints.empty());
 }
@@ -118,16 +118,19 @@ TEST_F(WriteDatabaseTest, RefusesContradictions) {
   content.pairs[0].matches.emplace_back(2, 0);  // image 2 has keypoints 0 and 1
   EXPECT_THAT(Refusal(content), HasSubstr("pair 2, 1"));
   content = SmallContent();
-  content.pairs.push_back({1, 3, {}});
+  content.pairs.push_back({{0, Eye::kLeft}, {1, Eye::kLeft}, {}});
   EXPECT_THAT(Refusal(content), HasSubstr("1 and 3"));
   content = SmallContent();
-  content.images[1].camera_id = 9;
-  EXPECT_THAT(Refusal(content), HasSubstr("camera, found 9"));
+  content.cameras.pop_back();
+  EXPECT_THAT(Refusal(content), HasSubstr("image 2: expected a known camera, found 2"));
+  content = SmallContent();
+  content.images[1].ref.frame = -1;
+  EXPECT_THAT(Refusal(content), HasSubstr("found -1"));
   content = SmallContent();
   content.images[1].name = content.images[0].name;
   EXPECT_THAT(Refusal(content), HasSubstr(path_.string()));
   content = SmallContent();
-  content.pairs.push_back({1, 2, {}});  // the same pair again
+  content.pairs.push_back({{0, Eye::kLeft}, {0, Eye::kRight}, {}});  // the same pair again
   EXPECT_THAT(Refusal(content), HasSubstr(path_.string()));
   EXPECT_FALSE(std::filesystem::exists(path_));
 }

@@ -63,20 +63,21 @@ class MapperTest : public testing::Test {
 
   // The point of the rover that a keypoint of a left image shows.
   static const Eigen::Vector3d* TruePoint(const TrackElement& element) {
-    if (element.image_id % 2 == 0) return nullptr;
-    const auto& point_of_feature = rover_.point_of_feature[(element.image_id - 1) / 2];
+    if (element.image.eye == Eye::kRight) return nullptr;
+    const auto& point_of_feature = rover_.point_of_feature[element.image.frame];
     return &rover_.points[point_of_feature[element.keypoint]];
   }
 
   static std::vector<double> LeftRightDistances(const SparseModel& model) {
-    std::map<std::uint32_t, Eigen::Vector3d> centres;
+    std::map<ImageRef, Eigen::Vector3d> centres;
     for (const auto& image : model.images) {
-      centres[image.id] = image.camera_from_model.Inverse().translation;
+      centres[image.ref] = image.camera_from_model.Inverse().translation;
     }
     std::vector<double> distances;
-    for (const auto& [id, centre] : centres) {
-      if (id % 2 == 1 && centres.count(id + 1)) {
-        distances.push_back((centres[id + 1] - centre).norm());
+    for (const auto& [ref, centre] : centres) {
+      const auto right = centres.find({ref.frame, Eye::kRight});
+      if (ref.eye == Eye::kLeft && right != centres.end()) {
+        distances.push_back((right->second - centre).norm());
       }
     }
     return distances;
@@ -102,10 +103,11 @@ TEST_F(MapperTest, TriangulatesTruePosesToTruePoints) {
   const SparseModel poses = RoverPoses(rover_, kFrames);
   const SparseModel model = Triangulate(poses);
   ASSERT_EQ(model.images.size(), 2u * kFrames);
-  std::map<std::uint32_t, Rigid3> true_pose;
-  for (const auto& image : poses.images) true_pose[image.id] = image.camera_from_model;
+  std::map<ImageRef, Rigid3> true_pose;
+  for (const auto& image : poses.images) true_pose[image.ref] = image.camera_from_model;
   for (const auto& image : model.images) {
-    EXPECT_NEAR((image.camera_from_model.translation - true_pose[image.id].translation).norm(), 0.0,
+    EXPECT_NEAR((image.camera_from_model.translation - true_pose[image.ref].translation).norm(),
+                0.0,
                 1e-9);  // m
   }
   std::vector<double> errors_m;
@@ -146,11 +148,11 @@ TEST_F(MapperTest, ContinuesAMetricSeedToAllImages) {
   EXPECT_EQ(registered, 2 * kFrames);
   const SparseModel model = ReadModel(models[0]);
   EXPECT_EQ(model.images.size(), 2u * kFrames);
-  EXPECT_EQ(model.cameras[0].camera.fx,
-            rover_.rig.Of(model.cameras[0].id == 1 ? Eye::kLeft : Eye::kRight).camera.fx);
+  EXPECT_EQ(model.cameras[0].camera.fx, rover_.rig.Of(model.cameras[0].eye).camera.fx);
   ExpectEqualBaselines(model, 0.005);
   for (const auto& image : model.images) {  // ours and COLMAP's keypoints are the same
-    const auto& keypoints = content_.images[image.id - 1].keypoints;
+    const auto& keypoints =
+        content_.images[2 * image.ref.frame + (image.ref.eye == Eye::kLeft ? 0 : 1)].keypoints;
     ASSERT_EQ(image.keypoints.size(), keypoints.size());
     EXPECT_EQ(image.keypoints[7].pixel.cast<float>(), keypoints[7]);
   }

@@ -26,13 +26,12 @@ SparseModel RandomModel(int points) {
   std::uniform_real_distribution<double> unit(-1.0, 1.0);
   SparseModel model;
   model.cameras = {
-      {3, LocCamRig().left.camera},
-      {8, {.width = 640, .height = 480, .fx = 500, .fy = 501, .cx = 319.5, .cy = 240}}};
+      {Eye::kLeft, LocCamRig().left.camera},
+      {Eye::kRight, {.width = 640, .height = 480, .fx = 500, .fy = 501, .cx = 319.5, .cy = 240}}};
   model.images.resize(2);
-  for (std::uint32_t i = 0; i < 2; ++i) {
+  for (int i = 0; i < 2; ++i) {
     SparseImage& image = model.images[i];
-    image.id = 5 + i;
-    image.camera_id = model.cameras[i].id;
+    image.ref = {2, model.cameras[i].eye};
     image.name = i == 0 ? "left/1448551416619000000.png" : "right/1448551416619000000.png";
     image.camera_from_model.rotation =
         ExpRotation({unit(random), unit(random), unit(random)}).normalized();
@@ -46,7 +45,7 @@ SparseModel RandomModel(int points) {
     point.rgb = {static_cast<std::uint8_t>(i), 20, 255};
     point.error_px = 0.5 + 0.1 * unit(random);
     for (auto& image : model.images) {
-      point.track.push_back({image.id, static_cast<std::uint32_t>(image.keypoints.size())});
+      point.track.push_back({image.ref, static_cast<std::uint32_t>(image.keypoints.size())});
       const double x = 300.0 + 200.0 * unit(random), y = 300.0 + 200.0 * unit(random);
       image.keypoints.push_back({{x, y}, point.id});
     }
@@ -76,13 +75,13 @@ TEST(ModelIo, ComesBackAsItWas) {
   WriteModel(model, folder.Path() / "0");
   const SparseModel read = ReadModel(folder.Path() / "0");
   ASSERT_EQ(read.cameras.size(), 2u);
-  EXPECT_EQ(read.cameras[0].id, 3u);
+  EXPECT_EQ(read.cameras[0].eye, Eye::kLeft);
   EXPECT_EQ(read.cameras[0].camera.cy, model.cameras[0].camera.cy);
   EXPECT_EQ(read.cameras[0].camera.k1, model.cameras[0].camera.k1);
   EXPECT_TRUE(read.cameras[1].camera.IsPinhole());
   ASSERT_EQ(read.images.size(), 2u);
   EXPECT_EQ(read.images[1].name, model.images[1].name);
-  EXPECT_EQ(read.images[1].camera_id, 8u);
+  EXPECT_EQ(read.images[1].ref, (ImageRef{2, Eye::kRight}));
   EXPECT_EQ(read.images[1].camera_from_model.rotation.coeffs(),
             model.images[1].camera_from_model.rotation.coeffs());
   EXPECT_EQ(read.images[1].camera_from_model.translation,
@@ -185,6 +184,36 @@ TEST(ModelIo, RefusesNumbersThatAreNotFinite) {
   model.images[0].camera_from_model.translation.x() = std::nan("");
   WriteModel(model, folder.Path());
   EXPECT_THAT(Refusal(folder.Path()), HasSubstr("images.bin: expected a finite number"));
+}
+
+// cameras.bin: count, then the id; images.bin: count, id, pose, camera.
+TEST(ModelIo, NumbersImagesByFrameAndEye) {
+  const TemporaryFolder folder;
+  WriteModel(RandomModel(5), folder.Path());
+  const auto number_at = [&](const char* file, std::size_t offset) {
+    std::uint32_t number = 0;
+    std::memcpy(&number, ReadTextFile(folder.Path() / file).data() + offset, sizeof(number));
+    return number;
+  };
+  EXPECT_EQ(number_at("cameras.bin", 8), 1U);
+  EXPECT_EQ(number_at("images.bin", 8), 5U);
+  EXPECT_EQ(number_at("images.bin", 8 + 4 + 56), 1U);
+}
+
+TEST(ModelIo, RefusesCamerasAndImagesNumberedOtherwise) {
+  const TemporaryFolder folder;
+  const auto spoil = [&](const char* file, int offset, char id) {
+    WriteModel(RandomModel(5), folder.Path());
+    std::fstream stream(folder.Path() / file, std::ios::in | std::ios::out | std::ios::binary);
+    stream.seekp(offset);
+    stream.put(id);
+    stream.close();
+    return Refusal(folder.Path());
+  };
+  EXPECT_THAT(spoil("cameras.bin", 8, 3), HasSubstr("camera 1 (left) or 2 (right), found 3"));
+  EXPECT_THAT(spoil("images.bin", 8, 0), HasSubstr("image ids from 1"));
+  EXPECT_THAT(spoil("images.bin", 8 + 4 + 56, 2),
+              HasSubstr("image 5 to be of camera 1, found camera 2"));
 }
 
 TEST(ModelIo, RefusesTracksOfWhatDoesNotExist) {

@@ -11,7 +11,7 @@ std::string ImageName(const SyntheticRover& rover, int frame, Eye eye) {
 }
 
 std::vector<SparseCamera> RoverCameras(const SyntheticRover& rover) {
-  return {{1, rover.rig.left.camera}, {2, rover.rig.right.camera}};
+  return {{Eye::kLeft, rover.rig.left.camera}, {Eye::kRight, rover.rig.right.camera}};
 }
 
 void Swap(DatabasePair& pair) {
@@ -20,9 +20,9 @@ void Swap(DatabasePair& pair) {
 }
 
 void AddFrame(const SyntheticRover& rover, int frame, DatabaseContent& content) {
-  DatabaseImage left{ImageId(frame, Eye::kLeft), 1, ImageName(rover, frame, Eye::kLeft), {}};
-  DatabaseImage right{ImageId(frame, Eye::kRight), 2, ImageName(rover, frame, Eye::kRight), {}};
-  DatabasePair stereo{left.id, right.id, {}};
+  DatabaseImage left{{frame, Eye::kLeft}, ImageName(rover, frame, Eye::kLeft), {}};
+  DatabaseImage right{{frame, Eye::kRight}, ImageName(rover, frame, Eye::kRight), {}};
+  DatabasePair stereo{left.ref, right.ref, {}};
   for (const auto& feature : rover.frames[frame].features) {
     if (feature.right) {
       stereo.matches.emplace_back(left.keypoints.size(), right.keypoints.size());
@@ -43,7 +43,7 @@ DatabaseContent RoverDatabase(const SyntheticRover& rover, int neighbours) {
   for (int i = 0; i < frames; ++i) AddFrame(rover, i, content);
   for (int i = 0; i < frames; ++i) {
     for (int j = i + 1; j <= std::min(i + neighbours, frames - 1); ++j) {
-      DatabasePair pair{ImageId(i, Eye::kLeft), ImageId(j, Eye::kLeft), {}};
+      DatabasePair pair{{i, Eye::kLeft}, {j, Eye::kLeft}, {}};
       for (const auto& [a, b] : TrueMatches(rover, i, j)) pair.matches.emplace_back(a, b);
       content.pairs.push_back(std::move(pair));
     }
@@ -59,8 +59,7 @@ SparseModel RoverPoses(const SyntheticRover& rover, int frames) {
     const Rigid3 left_from_world = rover.world_from_left[i].Inverse();
     for (const Eye eye : kEyes) {
       SparseImage image;
-      image.id = ImageId(i, eye);
-      image.camera_id = eye == Eye::kLeft ? 1 : 2;
+      image.ref = {i, eye};
       image.name = ImageName(rover, i, eye);
       image.camera_from_model =
           eye == Eye::kLeft ? left_from_world : rover.rig.right_from_left * left_from_world;

@@ -8,13 +8,8 @@
 
 namespace rigmap {
 
-// Image ids: left of frame i is 2 i + 1, right 2 i + 2. Cameras 1 (left) and 2 (right).
-inline std::uint32_t ImageId(int frame, Eye eye) {
-  return static_cast<std::uint32_t>(2 * frame + 1 + static_cast<int>(eye));
-}
-
 // Stereo pairs and left images up to `neighbours` frames apart, with all true matches. Every
-// second pair is given larger id first.
+// second pair is given the later image first.
 DatabaseContent RoverDatabase(const SyntheticRover& rover, int neighbours);
 
 // Cameras and posed images of frames 0 to `frames` - 1 in the rover's world, no keypoints.

@@ -30,17 +30,16 @@ std::map<PixelKey, int> PointsOfPixels(const SyntheticRover& rover, int frame, E
   return points;
 }
 
-// Point of every keypoint, by image id. Fails where a keypoint is none of its image's pixels.
-std::map<std::uint32_t, std::vector<int>> PointsOfKeypoints(const DatabaseContent& content,
-                                                            const KeyframeGraph& graph,
-                                                            const SyntheticRover& rover) {
-  std::map<std::uint32_t, std::vector<int>> result;
+// Point of every keypoint, by image. Fails where a keypoint is none of its image's pixels.
+std::map<ImageRef, std::vector<int>> PointsOfKeypoints(const DatabaseContent& content,
+                                                       const KeyframeGraph& graph,
+                                                       const SyntheticRover& rover) {
+  std::map<ImageRef, std::vector<int>> result;
   for (const DatabaseImage& image : content.images) {
-    const Eye eye = image.camera_id == kLeftCameraId ? Eye::kLeft : Eye::kRight;
-    const int frame = graph.keyframes.at((image.id - 1) / 2).frame;
-    const auto points = PointsOfPixels(rover, frame, eye);
+    const int frame = graph.keyframes.at(image.ref.frame).frame;
+    const auto points = PointsOfPixels(rover, frame, image.ref.eye);
     for (const auto& keypoint : image.keypoints) {
-      result[image.id].push_back(points.at(KeyOf(keypoint)));
+      result[image.ref].push_back(points.at(KeyOf(keypoint)));
     }
   }
   return result;
@@ -181,7 +180,7 @@ TEST_F(BuildGraphTest, TheDatabaseTakesItAndGivesItBack) {
   const DatabaseContent read = ReadDatabase(folder.Path() / "database.db");
   ASSERT_EQ(read.images.size(), content.images.size());
   for (std::size_t i = 0; i < read.images.size(); ++i) {
-    EXPECT_EQ(read.images[i].id, content.images[i].id);
+    EXPECT_EQ(read.images[i].ref, content.images[i].ref);
     EXPECT_EQ(read.images[i].name, content.images[i].name);
     ASSERT_EQ(read.images[i].keypoints.size(), content.images[i].keypoints.size());
     for (std::size_t j = 0; j < read.images[i].keypoints.size(); ++j) {
@@ -202,9 +201,9 @@ TEST_F(BuildGraphTest, CamerasAreTheRigs) {
   const DatabaseContent content =
       MakeDatabaseContent(part_.Graph(), part_.correspondences, part_.rover.rig);
   ASSERT_EQ(content.cameras.size(), 2u);
-  EXPECT_EQ(content.cameras[0].id, kLeftCameraId);
+  EXPECT_EQ(content.cameras[0].eye, Eye::kLeft);
   EXPECT_EQ(content.cameras[0].camera.fx, part_.rover.rig.left.camera.fx);
-  EXPECT_EQ(content.cameras[1].id, kRightCameraId);
+  EXPECT_EQ(content.cameras[1].eye, Eye::kRight);
   EXPECT_EQ(content.cameras[1].camera.fx, part_.rover.rig.right.camera.fx);
 }
 

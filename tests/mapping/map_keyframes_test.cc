@@ -24,7 +24,7 @@ constexpr double kDegree = std::numbers::pi / 180.0;
 std::set<int> Keyframes(const SparseModel& model) {
   std::set<int> keyframes;
   for (const SparseImage& image : model.images) {
-    keyframes.insert(static_cast<int>((image.id - 1) / 2));
+    keyframes.insert(image.ref.frame);
   }
   return keyframes;
 }

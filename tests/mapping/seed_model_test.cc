@@ -75,7 +75,7 @@ class SeedModelTest : public testing::Test {
 
 // Point of the rover that a left keypoint shows.
 int TruePoint(const RoverPart& part, const KeyframeGraph& graph, const TrackElement& element) {
-  const GraphKeyframe& keyframe = graph.keyframes[(element.image_id - 1) / 2];
+  const GraphKeyframe& keyframe = graph.keyframes[element.image.frame];
   return part.rover.point_of_feature[keyframe.frame][keyframe.features[element.keypoint]];
 }
 
@@ -86,14 +86,15 @@ TEST_F(SeedModelTest, WithoutNoisePointsAreTheTrueOnesInMetres) {
       {graph, part.correspondences, part.rover.rig, KeyframePoses(graph, part.odometry)}, 2, 4);
   EXPECT_GT(model.points.size(), 200u);
   for (const SparsePoint& point : model.points) {
-    ASSERT_EQ(point.track.front().image_id % 2, 1u);
+    ASSERT_EQ(point.track.front().image.eye, Eye::kLeft);
     const Eigen::Vector3d& x = part.rover.points[TruePoint(part, graph, point.track.front())];
     EXPECT_LT((point.x_in_model - x).norm(), 1e-6);  // m
   }
   ASSERT_EQ(model.images.size(), 8u);
   for (const SparseImage& image : model.images) {
-    const Rigid3& left = part.rover.world_from_left[(image.id - 1) / 2];
-    const Rigid3 camera_from_left = image.id % 2 == 1 ? Rigid3() : part.rover.rig.right_from_left;
+    const Rigid3& left = part.rover.world_from_left[image.ref.frame];
+    const Rigid3 camera_from_left =
+        image.ref.eye == Eye::kLeft ? Rigid3() : part.rover.rig.right_from_left;
     const Rigid3 difference = image.camera_from_model * left * camera_from_left.Inverse();
     EXPECT_LT(difference.translation.norm(), 1e-9);  // m
     EXPECT_LT(AngleOf(difference.rotation), 1e-7);   // rad
@@ -105,18 +106,18 @@ TEST_F(SeedModelTest, EveryPointReprojectsIntoItsKeypoints) {
   const KeyframeGraph graph = part.Graph();
   const SparseModel model = MakeSeedModel(
       {graph, part.correspondences, part.rover.rig, KeyframePoses(graph, part.odometry)}, 0, 7);
-  std::map<std::uint32_t, const SparseImage*> images;
-  for (const SparseImage& image : model.images) images[image.id] = &image;
+  std::map<ImageRef, const SparseImage*> images;
+  for (const SparseImage& image : model.images) images[image.ref] = &image;
   std::size_t elements = 0, named = 0;
   std::set<std::uint64_t> ids;
   for (const SparsePoint& point : model.points) {
     EXPECT_TRUE(ids.insert(point.id).second);
     ASSERT_GE(point.track.size(), 2u);
     for (const TrackElement& element : point.track) {
-      const SparseImage& image = *images.at(element.image_id);
+      const SparseImage& image = *images.at(element.image);
       const SparseKeypoint& keypoint = image.keypoints.at(element.keypoint);
       ASSERT_EQ(keypoint.point_id, point.id);
-      const Camera& camera = model.cameras[image.camera_id - 1].camera;
+      const Camera& camera = part.rover.rig.Of(image.ref.eye).camera;
       const auto pixel = Project(camera, image.camera_from_model * point.x_in_model);
       ASSERT_TRUE(pixel);
       EXPECT_LT((*pixel - keypoint.pixel).norm(), 1.5);  // px, at 0.2 px noise
@@ -137,10 +138,10 @@ TEST_F(SeedModelTest, KeypointsAreTheDatabasesInNumberAndOrder) {
       {graph, part.correspondences, part.rover.rig, KeyframePoses(graph, part.odometry)}, 1, 4);
   ASSERT_EQ(model.images.size(), 8u);
   for (const SparseImage& image : model.images) {
-    const DatabaseImage& in_database = content.images.at(image.id - 1);
-    EXPECT_EQ(in_database.id, image.id);
+    const DatabaseImage& in_database =
+        content.images.at(2 * image.ref.frame + (image.ref.eye == Eye::kLeft ? 0 : 1));
+    EXPECT_EQ(in_database.ref, image.ref);
     EXPECT_EQ(in_database.name, image.name);
-    EXPECT_EQ(in_database.camera_id, image.camera_id);
     ASSERT_EQ(in_database.keypoints.size(), image.keypoints.size());
     for (std::size_t i = 0; i < image.keypoints.size(); ++i) {
       ASSERT_EQ(image.keypoints[i].pixel.cast<float>(), in_database.keypoints[i]);

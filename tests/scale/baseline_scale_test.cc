@@ -3,7 +3,6 @@
 #include <gmock/gmock.h>
 
 #include "core/error.h"
-#include "scene/keyframe_graph.h"
 #include "tests/support/rover_correspondences.h"
 
 namespace rigmap {
@@ -12,9 +11,12 @@ namespace {
 using testing::ElementsAre;
 using testing::IsEmpty;
 
-SparseImage ImageOf(std::uint32_t id, const Rigid3& camera_from_world,
+constexpr ImageRef Left(int keyframe) { return {keyframe, Eye::kLeft}; }
+constexpr ImageRef Right(int keyframe) { return {keyframe, Eye::kRight}; }
+
+SparseImage ImageOf(const ImageRef& ref, const Rigid3& camera_from_world,
                     const Sim3& model_from_world) {
-  SparseImage image{.id = id};
+  SparseImage image{.ref = ref};
   image.camera_from_model = TransformPose(model_from_world, camera_from_world.Inverse()).Inverse();
   return image;
 }
@@ -24,17 +26,17 @@ SparseModel ModelOf(const SyntheticRover& rover, int first, int end, const Sim3&
   SparseModel model;
   for (int k = first; k < end; ++k) {
     const Rigid3 left_from_world = rover.world_from_left[k].Inverse();
-    model.images.push_back(ImageOf(LeftImageId(k), left_from_world, model_from_world));
+    model.images.push_back(ImageOf(Left(k), left_from_world, model_from_world));
     model.images.push_back(
-        ImageOf(RightImageId(k), rover.rig.right_from_left * left_from_world, model_from_world));
+        ImageOf(Right(k), rover.rig.right_from_left * left_from_world, model_from_world));
   }
   return model;
 }
 
 // Moves a camera aside, along its own x axis.
-void Shift(SparseModel& model, std::uint32_t id, double model_units) {
+void Shift(SparseModel& model, const ImageRef& ref, double model_units) {
   for (SparseImage& image : model.images) {
-    if (image.id == id) image.camera_from_model.translation.x() += model_units;
+    if (image.ref == ref) image.camera_from_model.translation.x() += model_units;
   }
 }
 
@@ -72,8 +74,8 @@ TEST_F(BaselineScaleTest, ScalesInverselyWithTheGauge) {
 
 TEST_F(BaselineScaleTest, HalvingTheModelDoublesTheFactorAndKeepsTheRest) {
   SparseModel model = ModelOf(rover_, 0, 12, random_.Similarity(5.0));
-  for (int k = 0; k < 12; ++k) Shift(model, RightImageId(k), random_.Normal(0.001));
-  Shift(model, RightImageId(4), 0.5);
+  for (int k = 0; k < 12; ++k) Shift(model, Right(k), random_.Normal(0.001));
+  Shift(model, Right(4), 0.5);
   SparseModel half = model;
   for (SparseImage& image : half.images) image.camera_from_model.translation *= 0.5;
   const auto whole_scale = MeasureBaseline(model, baseline_m_, options_);
@@ -87,9 +89,9 @@ TEST_F(BaselineScaleTest, HalvingTheModelDoublesTheFactorAndKeepsTheRest) {
 
 TEST_F(BaselineScaleTest, WildPairsAreListedAndDoNotMoveTheScale) {
   SparseModel model = ModelOf(rover_, 0, 12, Sim3());
-  Shift(model, RightImageId(3), 0.3);
-  Shift(model, LeftImageId(7), -0.05);
-  Shift(model, RightImageId(8), -2.0);
+  Shift(model, Right(3), 0.3);
+  Shift(model, Left(7), -0.05);
+  Shift(model, Right(8), -2.0);
   const auto scale = MeasureBaseline(model, baseline_m_, options_);
   ASSERT_TRUE(scale);
   EXPECT_THAT(scale->pairs_rejected, ElementsAre(3, 7, 8));
@@ -116,9 +118,9 @@ TEST_F(BaselineScaleTest, TheSpreadIsTakenBeforeAnyPairIsRejected) {
 
 TEST_F(BaselineScaleTest, APairWithinTheToleratedShareIsKeptHoweverSmallTheSpread) {
   SparseModel model = ModelOf(rover_, 0, 12, Sim3());
-  Shift(model, RightImageId(5), -0.009 * baseline_m_);
+  Shift(model, Right(5), -0.009 * baseline_m_);
   EXPECT_THAT(MeasureBaseline(model, baseline_m_, options_)->pairs_rejected, IsEmpty());
-  Shift(model, RightImageId(5), -0.009 * baseline_m_);
+  Shift(model, Right(5), -0.009 * baseline_m_);
   EXPECT_THAT(MeasureBaseline(model, baseline_m_, options_)->pairs_rejected, ElementsAre(5));
 }
 
@@ -126,7 +128,7 @@ TEST_F(BaselineScaleTest, WithoutAStereoPairThereIsNoScale) {
   EXPECT_FALSE(MeasureBaseline({}, baseline_m_, options_));
   SparseModel model = ModelOf(rover_, 0, 12, Sim3());
   std::erase_if(model.images, [](const SparseImage& image) {  // right of even, left of odd ones
-    return (image.id - 1) % 4 == 1 || (image.id - 1) % 4 == 2;
+    return (image.ref.eye == Eye::kRight) == (image.ref.frame % 2 == 0);
   });
   ASSERT_EQ(model.images.size(), 12u);
   EXPECT_FALSE(MeasureBaseline(model, baseline_m_, options_));
@@ -179,8 +181,8 @@ TEST_F(BaselineScaleTest, WhereModelsOverlapTheEarlierStays) {
   SparseModel second = ModelOf(rover_, 5, 12, random_.Similarity(20.0));
   const double unit = MeasureBaseline(second, 1.0, options_)->metres_per_model_unit;
   for (int k : {5, 6}) {  // both eyes aside by about as much as they are apart
-    Shift(second, LeftImageId(k), 1.0 / unit);
-    Shift(second, RightImageId(k), 1.0 / unit);
+    Shift(second, Left(k), 1.0 / unit);
+    Shift(second, Right(k), 1.0 / unit);
   }
   const auto placed = PlaceModels({ModelOf(rover_, 0, 8, random_.Similarity(20.0)), second},
                                   rover_.world_from_left, rover_.rig, options_);
@@ -195,9 +197,9 @@ TEST_F(BaselineScaleTest, WhereModelsOverlapTheEarlierStays) {
 
 TEST_F(BaselineScaleTest, AWildPairDoesNotCarryAModel) {
   SparseModel first = ModelOf(rover_, 0, 6, Sim3()), second = ModelOf(rover_, 6, 12, Sim3());
-  Shift(first, LeftImageId(0), 0.5);
-  Shift(first, LeftImageId(5), 0.5);
-  Shift(second, LeftImageId(6), -0.5);
+  Shift(first, Left(0), 0.5);
+  Shift(first, Left(5), 0.5);
+  Shift(second, Left(6), -0.5);
   const auto placed = PlaceModels({first, second}, rover_.world_from_left, rover_.rig, options_);
   for (int k : {1, 2, 3, 4, 7, 8, 9, 10, 11}) {
     EXPECT_LT(
@@ -209,7 +211,7 @@ TEST_F(BaselineScaleTest, AWildPairDoesNotCarryAModel) {
 
 TEST_F(BaselineScaleTest, AModelWithoutAStereoPairIsLeftOut) {
   SparseModel lone = ModelOf(rover_, 0, 4, Sim3());
-  std::erase_if(lone.images, [](const SparseImage& image) { return image.id % 2 == 0; });
+  std::erase_if(lone.images, [](const SparseImage& image) { return image.ref.eye == Eye::kRight; });
   const auto placed = PlaceModels({lone, ModelOf(rover_, 6, 12, Sim3())}, rover_.world_from_left,
                                   rover_.rig, options_);
   ASSERT_EQ(placed.models.size(), 1u);

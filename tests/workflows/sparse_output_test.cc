@@ -95,11 +95,11 @@ TEST_F(SparseOutput, PointsProjectOntoTheKeypointsOfTheirTracks) {
     EXPECT_NEAR(point.error_px, 0.0, 1e-9);
     for (const TrackElement& element : point.track) {
       const auto image = std::find_if(model.images.begin(), model.images.end(),
-                                      [&](const auto& i) { return i.id == element.image_id; });
+                                      [&](const auto& i) { return i.ref == element.image; });
       ASSERT_NE(image, model.images.end());
       const SparseKeypoint& keypoint = image->keypoints[element.keypoint];
       EXPECT_EQ(keypoint.point_id, point.id);
-      const Camera& camera = model.cameras[image->camera_id - 1].camera;
+      const Camera& camera = model.cameras[image->ref.eye == Eye::kLeft ? 0 : 1].camera;
       const auto pixel = Project(camera, image->camera_from_model * point.x_in_model);
       EXPECT_LT((*pixel - keypoint.pixel).norm(), 1e-9);
     }
