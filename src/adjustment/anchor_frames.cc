@@ -2,8 +2,9 @@
 
 #include <algorithm>
 #include <map>
-#include <numeric>
 #include <set>
+
+#include "core/disjoint_sets.h"
 
 namespace rigmap {
 namespace {
@@ -11,19 +12,14 @@ namespace {
 // Fewer leave a motion of six degrees of freedom to chance.
 constexpr int kMinSharedPoints = 10;
 
-int Root(std::vector<int>& anchors, int frame) {
-  while (anchors[frame] != frame) frame = anchors[frame] = anchors[anchors[frame]];
-  return frame;
-}
-
 // Points shared by every two groups.
 std::map<std::pair<int, int>, int> SharedPoints(const std::vector<AdjustedPoint>& points,
-                                                std::vector<int>& anchors) {
+                                                DisjointSets& groups_of_frames) {
   std::map<std::pair<int, int>, int> shared;
   for (const AdjustedPoint& point : points) {
     std::set<int> groups;
     for (const PointObservation& observation : point.observations) {
-      groups.insert(Root(anchors, observation.frame));
+      groups.insert(groups_of_frames.Root(observation.frame));
     }
     for (auto a = groups.begin(); a != groups.end(); ++a) {
       for (auto b = std::next(a); b != groups.end(); ++b) ++shared[{*a, *b}];
@@ -35,18 +31,18 @@ std::map<std::pair<int, int>, int> SharedPoints(const std::vector<AdjustedPoint>
 }  // namespace
 
 std::vector<int> AnchorFrames(const std::vector<AdjustedPoint>& points, std::size_t frames) {
-  std::vector<int> anchors(frames);
-  std::iota(anchors.begin(), anchors.end(), 0);
+  DisjointSets groups_of_frames(frames);
   for (bool joined = true; joined;) {
     joined = false;
-    for (const auto& [groups, count] : SharedPoints(points, anchors)) {
-      const int a = Root(anchors, groups.first), b = Root(anchors, groups.second);
+    for (const auto& [groups, count] : SharedPoints(points, groups_of_frames)) {
+      const int a = groups_of_frames.Root(groups.first), b = groups_of_frames.Root(groups.second);
       if (count < kMinSharedPoints || a == b) continue;
-      anchors[std::max(a, b)] = std::min(a, b);
+      groups_of_frames.Unite(std::min(a, b), std::max(a, b));
       joined = true;
     }
   }
-  for (std::size_t i = 0; i < frames; ++i) anchors[i] = Root(anchors, static_cast<int>(i));
+  std::vector<int> anchors(frames);
+  for (std::size_t i = 0; i < frames; ++i) anchors[i] = groups_of_frames.Root(static_cast<int>(i));
   return anchors;
 }
 

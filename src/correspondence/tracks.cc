@@ -1,20 +1,26 @@
 #include "correspondence/tracks.h"
 
 #include <algorithm>
-#include <numeric>
+
+#include "core/disjoint_sets.h"
 
 namespace rigmap {
 namespace {
 
-// Disjoint sets of features that hold at most one feature per frame.
+std::size_t FeatureCount(const std::vector<std::vector<Feature>>& features) {
+  std::size_t count = 0;
+  for (const auto& frame : features) count += frame.size();
+  return count;
+}
+
+// Sets of features that hold at most one feature per frame.
 class TrackSets {
  public:
-  explicit TrackSets(const std::vector<std::vector<Feature>>& features) {
+  explicit TrackSets(const std::vector<std::vector<Feature>>& features)
+      : sets_(FeatureCount(features)) {
     for (const auto& frame : features) {
-      first_.push_back(static_cast<int>(parent_.size()));
+      first_.push_back(static_cast<int>(members_.size()));
       for (std::size_t i = 0; i < frame.size(); ++i) {
-        const int id = static_cast<int>(parent_.size());
-        parent_.push_back(id);
         members_.push_back({{static_cast<int>(first_.size()) - 1, static_cast<int>(i)}});
       }
     }
@@ -23,7 +29,7 @@ class TrackSets {
   int IdOf(const FeatureRef& ref) const { return first_[ref.frame] + ref.feature; }
 
   void Join(const FeatureRef& a, const FeatureRef& b) {
-    int root_a = Root(IdOf(a)), root_b = Root(IdOf(b));
+    int root_a = sets_.Root(IdOf(a)), root_b = sets_.Root(IdOf(b));
     if (root_a == root_b) return;
     if (members_[root_a].size() < members_[root_b].size()) std::swap(root_a, root_b);
     Track joined;
@@ -33,7 +39,7 @@ class TrackSets {
       return x.frame == y.frame;
     };
     if (std::adjacent_find(joined.begin(), joined.end(), same_frame) != joined.end()) return;
-    parent_[root_b] = root_a;
+    sets_.Unite(root_a, root_b);
     members_[root_a] = std::move(joined);
     members_[root_b] = {};
   }
@@ -41,13 +47,8 @@ class TrackSets {
   const std::vector<Track>& Members() const { return members_; }
 
  private:
-  int Root(int id) {
-    while (parent_[id] != id) id = parent_[id] = parent_[parent_[id]];
-    return id;
-  }
-
   std::vector<int> first_;  // id of each frame's first feature
-  std::vector<int> parent_;
+  DisjointSets sets_;
   std::vector<Track> members_;  // of each root, in order of frames
 };
 
