@@ -5,6 +5,8 @@
 #include <limits>
 #include <unordered_map>
 
+#include "geometry/tile_index.h"
+
 namespace rigmap {
 namespace {
 
@@ -39,17 +41,17 @@ class PixelGrid {
  public:
   PixelGrid(const std::vector<Feature>& features, double cell_px) : cell_px_(cell_px) {
     for (std::size_t i = 0; i < features.size(); ++i) {
-      cells_[Key(Column(features[i].left.x()), Column(features[i].left.y()))].push_back(
-          static_cast<int>(i));
+      cells_[TileAt(features[i].left, cell_px_)].push_back(static_cast<int>(i));
     }
   }
 
   template <class Visit>
   void Near(const Eigen::Vector2d& pixel, const Visit& visit) const {
-    const int x = Column(pixel.x()), y = Column(pixel.y());
+    // A point beside the camera may be predicted anywhere.
+    const auto [x, y] = TileAt(pixel, cell_px_);
     for (int dy = -1; dy <= 1; ++dy) {
       for (int dx = -1; dx <= 1; ++dx) {
-        const auto cell = cells_.find(Key(x + dx, y + dy));
+        const auto cell = cells_.find({x + dx, y + dy});
         if (cell == cells_.end()) continue;
         for (int index : cell->second) visit(index);
       }
@@ -57,15 +59,8 @@ class PixelGrid {
   }
 
  private:
-  // A point beside the camera may be predicted anywhere, out of an int's range too.
-  int Column(double at) const {
-    constexpr double kFarCell = 1e9;
-    return static_cast<int>(std::clamp(std::floor(at / cell_px_), -kFarCell, kFarCell));
-  }
-  static std::int64_t Key(int x, int y) { return (std::int64_t{y} << 32) ^ std::uint32_t(x); }
-
   double cell_px_;
-  std::unordered_map<std::int64_t, std::vector<int>> cells_;
+  std::unordered_map<TileIndex, std::vector<int>, TileHash> cells_;
 };
 
 // `ForCandidates(i, visit)` calls visit(j) for every feature j of b that feature i of a may match.

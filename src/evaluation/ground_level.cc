@@ -1,4 +1,4 @@
-#include <Eigen/Cholesky>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "evaluation/height_grid.h"
+#include "geometry/plane_fit.h"
 
 namespace rigmap {
 namespace {
@@ -42,21 +43,19 @@ std::optional<Eigen::Vector3d> LowerHalf(const TileIndex& tile, const HeightTile
 }
 
 struct WindowPoint {
-  Eigen::Vector3d regressor;  // 1, x, y from the window's centre
+  Eigen::Vector2d arm;  // from the window's centre
   double height_m = 0.0;
   double weight = 0.0;  // by distance
 };
 
 Eigen::Vector3d SolvePlane(const std::vector<WindowPoint>& points,
                            const std::vector<double>& weights) {
-  Eigen::Matrix3d information =
-      Eigen::Vector3d(1e-12, kSlopeInformation, kSlopeInformation).asDiagonal();
-  Eigen::Vector3d right = Eigen::Vector3d::Zero();
+  PlaneFit fit(Eigen::Vector3d(kSlopeInformation, kSlopeInformation, 1e-12));
   for (std::size_t i = 0; i < points.size(); ++i) {
-    information += weights[i] * points[i].regressor * points[i].regressor.transpose();
-    right += weights[i] * points[i].height_m * points[i].regressor;
+    const Eigen::Vector2d& arm = points[i].arm;
+    fit.Add(arm.x(), arm.y(), points[i].height_m, weights[i]);
   }
-  return information.ldlt().solve(right);
+  return fit.Solve();
 }
 
 // Quantile regression by reweighting (Koenker and Bassett 1978), then least squares of what lies in
@@ -67,7 +66,7 @@ Eigen::Vector3d FitGround(const std::vector<WindowPoint>& points) {
   Eigen::Vector3d plane = SolvePlane(points, weights);
   const auto reweigh = [&](const auto& weight_of_residual) {
     for (std::size_t i = 0; i < points.size(); ++i) {
-      const double residual_m = points[i].height_m - points[i].regressor.dot(plane);
+      const double residual_m = points[i].height_m - plane.dot(points[i].arm.homogeneous());
       weights[i] = points[i].weight * weight_of_residual(residual_m);
     }
   };
@@ -90,7 +89,7 @@ Eigen::Vector3d FitGround(const std::vector<WindowPoint>& points) {
 
 double GroundLevel::Plane::At(const Eigen::Vector2d& x_in_world) const {
   const Eigen::Vector2d arm = x_in_world - centre;
-  return coefficients.dot(Eigen::Vector3d(1.0, arm.x(), arm.y()));
+  return coefficients.dot(arm.homogeneous());
 }
 
 GroundLevel::GroundLevel(const HeightGrid& grid) {
@@ -108,8 +107,7 @@ GroundLevel::GroundLevel(const HeightGrid& grid) {
         if (other == low.end()) continue;
         const Eigen::Vector2d arm = other->second.head<2>() - plane.centre;
         const double sigmas = arm.norm() / kWindowSigma_m;
-        points.push_back({Eigen::Vector3d(1.0, arm.x(), arm.y()), other->second.z(),
-                          std::exp(-0.5 * sigmas * sigmas)});
+        points.push_back({arm, other->second.z(), std::exp(-0.5 * sigmas * sigmas)});
       }
     }
     plane.coefficients = FitGround(points);
@@ -129,7 +127,7 @@ std::optional<double> GroundLevel::Near(const Eigen::Vector2d& x_in_world) const
     return (entry.second.centre - x_in_world).squaredNorm();
   });
   if (nearest == planes_.end()) return std::nullopt;
-  return nearest->second.coefficients.x();  // not carried on along its slope
+  return nearest->second.coefficients.z();  // not carried on along its slope
 }
 
 }  // namespace rigmap

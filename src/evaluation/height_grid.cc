@@ -1,29 +1,21 @@
 #include "evaluation/height_grid.h"
 
-#include <cmath>
+#include <algorithm>
 
 namespace rigmap {
 namespace {
 
 constexpr float kMaxCoordinate_m = 1.0e6F;
 
-// Rounds towards minus infinity.
-std::int32_t TileOfCell(std::int32_t cell) {
-  return (cell >= 0 ? cell : cell - kTileCells + 1) / kTileCells;
-}
-
 std::size_t IndexInTile(const CellIndex& cell, const TileIndex& tile) {
   return static_cast<std::size_t>((cell.second - tile.second * kTileCells) * kTileCells +
                                   cell.first - tile.first * kTileCells);
 }
 
-CellIndex CellOf(double x_m, double y_m) {
-  return {static_cast<std::int32_t>(std::floor(x_m / kHeightCell_m)),
-          static_cast<std::int32_t>(std::floor(y_m / kHeightCell_m))};
-}
+CellIndex CellOf(const Eigen::Vector2d& x_in_world) { return TileAt(x_in_world, kHeightCell_m); }
 
-TileIndex TileOf(const CellIndex& cell) {
-  return {TileOfCell(cell.first), TileOfCell(cell.second)};
+TileIndex TileHolding(const CellIndex& cell) {
+  return {TileOfCell(cell.first, kTileCells), TileOfCell(cell.second, kTileCells)};
 }
 
 }  // namespace
@@ -34,8 +26,8 @@ void HeightGrid::Add(std::span<const SurfacePoint> points) {
   for (const SurfacePoint& point : points) {
     const Eigen::Vector3f& x = point.x_in_world;
     if (!x.allFinite() || x.cwiseAbs().maxCoeff() > kMaxCoordinate_m) continue;
-    const CellIndex cell_index = CellOf(x.x(), x.y());
-    const TileIndex index = TileOf(cell_index);
+    const CellIndex cell_index = CellOf(x.head<2>().cast<double>());
+    const TileIndex index = TileHolding(cell_index);
     if (tile == nullptr || index != tile_index) {
       tile = &tiles_[index];
       tile_index = index;
@@ -48,24 +40,23 @@ void HeightGrid::Add(std::span<const SurfacePoint> points) {
 }
 
 const HeightCell* HeightGrid::Find(const CellIndex& cell) const {
-  const TileIndex index = TileOf(cell);
+  const TileIndex index = TileHolding(cell);
   const auto tile = tiles_.find(index);
   if (tile == tiles_.end()) return nullptr;
   const HeightCell& found = tile->second[IndexInTile(cell, index)];
   return found.points > 0 ? &found : nullptr;
 }
 
-TileIndex TileOf(const Eigen::Vector2d& x_in_world) {
-  return TileOf(CellOf(x_in_world.x(), x_in_world.y()));
-}
+TileIndex TileOf(const Eigen::Vector2d& x_in_world) { return TileHolding(CellOf(x_in_world)); }
 
 CellIndex CellOfTile(const TileIndex& tile, std::size_t index) {
-  const auto i = static_cast<std::int32_t>(index);
+  const auto i = static_cast<std::int64_t>(index);
   return {tile.first * kTileCells + i % kTileCells, tile.second * kTileCells + i / kTileCells};
 }
 
 Eigen::Vector2d CentreOf(const CellIndex& cell) {
-  return {(cell.first + 0.5) * kHeightCell_m, (cell.second + 0.5) * kHeightCell_m};
+  return {(static_cast<double>(cell.first) + 0.5) * kHeightCell_m,
+          (static_cast<double>(cell.second) + 0.5) * kHeightCell_m};
 }
 
 }  // namespace rigmap

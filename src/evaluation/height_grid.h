@@ -8,8 +8,8 @@
 #include <map>
 #include <optional>
 #include <span>
-#include <utility>
 
+#include "geometry/tile_index.h"
 #include "scene/point_cloud.h"
 
 namespace rigmap {
@@ -24,8 +24,7 @@ struct HeightCell {
   std::uint32_t points = 0;
 };
 
-using CellIndex = std::pair<std::int32_t, std::int32_t>;  // along x, along y
-using TileIndex = std::pair<std::int32_t, std::int32_t>;
+using CellIndex = TileIndex;  // of cells rather than of tiles of cells
 using HeightTile = std::array<HeightCell, std::size_t{kTileCells} * kTileCells>;
 
 // Heights (world z, metres) of points by their horizontal place. Takes 3 kB per tile touched: about
@@ -64,7 +63,7 @@ class GroundLevel {
  private:
   struct Plane {
     Eigen::Vector2d centre = Eigen::Vector2d::Zero();
-    Eigen::Vector3d coefficients = Eigen::Vector3d::Zero();  // height, slope along x, along y
+    Eigen::Vector3d coefficients = Eigen::Vector3d::Zero();  // slope along x, along y, height
     double At(const Eigen::Vector2d& x_in_world) const;
   };
   std::map<TileIndex, Plane> planes_;

@@ -1,7 +1,8 @@
 #include "fusion/disparity_normal.h"
 
-#include <Eigen/Dense>
 #include <cmath>
+
+#include "geometry/plane_fit.h"
 
 namespace rigmap {
 
@@ -10,8 +11,7 @@ Eigen::Vector3d NormalInRectified(const DepthMap& map, int row, int column) {
   constexpr int kStride = 2;
   constexpr float kSameSurfacePx = 1.5F;
   const float middle = map.disparity.at<float>(row, column);
-  Eigen::Matrix3d normal_matrix = Eigen::Matrix3d::Zero();
-  Eigen::Vector3d right_side = Eigen::Vector3d::Zero();
+  PlaneFit fit;
   int count = 0;
   for (int dy = -kReach; dy <= kReach; dy += kStride) {
     const int y = row + dy;
@@ -22,15 +22,13 @@ Eigen::Vector3d NormalInRectified(const DepthMap& map, int row, int column) {
       if (x < 0 || x >= map.disparity.cols) continue;
       const float found = line[x];
       if (found <= 0.0F || std::abs(found - middle) > kSameSurfacePx) continue;
-      const Eigen::Vector3d a(dx, dy, 1.0);
-      normal_matrix.noalias() += a * a.transpose();
-      right_side += found * a;
+      fit.Add(dx, dy, found);
       ++count;
     }
   }
   if (count < kMinNormalPixels) return Eigen::Vector3d::Zero();
   // disparity = plane . (dx, dy, 1): x_slope per pixel, y_slope per pixel, value in the middle.
-  const Eigen::Vector3d plane = normal_matrix.inverse() * right_side;
+  const Eigen::Vector3d plane = fit.Solve();
   if (!plane.allFinite()) return Eigen::Vector3d::Zero();
   const Camera& camera = map.camera;
   const double at_principal_point =

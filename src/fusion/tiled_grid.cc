@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <system_error>
 #include <vector>
 
@@ -27,11 +26,11 @@ TiledGrid::~TiledGrid() {
   std::filesystem::remove_all(scratch_, ignored);
 }
 
-std::filesystem::path TiledGrid::FileOf(const Place& place) const {
+std::filesystem::path TiledGrid::FileOf(const TileIndex& place) const {
   return scratch_ / fmt::format("{}_{}", place.first, place.second);
 }
 
-VoxelGrid& TiledGrid::GridAt(const Place& place) {
+VoxelGrid& TiledGrid::GridAt(const TileIndex& place) {
   if (last_grid_ && place == last_place_) return *last_grid_;
   const auto [entry, is_new] = tiles_.try_emplace(place);
   Tile& tile = entry->second;
@@ -46,17 +45,12 @@ VoxelGrid& TiledGrid::GridAt(const Place& place) {
 }
 
 void TiledGrid::Add(const SurfaceSample& sample) {
-  const double tile_m = kTileVoxels * voxel_m_;
-  const auto along = [&](int axis) {
-    // Points that are too far off, or nowhere (NaN), are refused by the grid itself.
-    const double tile = std::floor(sample.x_in_world(axis) / tile_m);
-    return static_cast<std::int64_t>(std::fmax(-1e9, std::fmin(tile, 1e9)));
-  };
-  GridAt({along(0), along(1)}).Add(sample);
+  // Points that are too far off, or nowhere (NaN), are refused by the grid itself.
+  GridAt(TileAt(sample.x_in_world.head<2>(), kTileVoxels * voxel_m_)).Add(sample);
 }
 
 void TiledGrid::SetAside() {
-  std::vector<std::map<Place, Tile>::iterator> in_memory;
+  std::vector<std::map<TileIndex, Tile>::iterator> in_memory;
   std::size_t voxels = 0;
   for (auto tile = tiles_.begin(); tile != tiles_.end(); ++tile) {
     if (!tile->second.grid) continue;

@@ -7,9 +7,9 @@
 #include <map>
 #include <optional>
 #include <span>
-#include <utility>
 
 #include "fusion/voxel_grid.h"
+#include "geometry/tile_index.h"
 
 namespace rigmap {
 
@@ -36,21 +36,20 @@ class TiledGrid {
              const std::function<void(std::span<const SurfacePoint>)>& take);
 
  private:
-  using Place = std::pair<std::int64_t, std::int64_t>;
   struct Tile {
     std::optional<VoxelGrid> grid;  // nothing while it lies in a file
     std::uint64_t last_use = 0;
   };
 
-  VoxelGrid& GridAt(const Place& place);
-  std::filesystem::path FileOf(const Place& place) const;
+  VoxelGrid& GridAt(const TileIndex& place);
+  std::filesystem::path FileOf(const TileIndex& place) const;
 
   double voxel_m_;
   std::filesystem::path scratch_;
   std::size_t most_voxels_;
-  std::map<Place, Tile> tiles_;
+  std::map<TileIndex, Tile> tiles_;
   std::uint64_t time_ = 0;
-  Place last_place_;
+  TileIndex last_place_;
   VoxelGrid* last_grid_ = nullptr;
 };
 

@@ -1,9 +1,10 @@
 #include "matching/ground_warp.h"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+
+#include "geometry/plane_fit.h"
 
 namespace rigmap {
 namespace {
@@ -30,15 +31,6 @@ std::vector<Eigen::Vector3d> NearestPoints(const std::vector<Feature>& features,
     nearest.push_back(points[by_distance[i].second]->x_in_left);
   }
   return nearest;
-}
-
-// Unit normal of the plane that fits best.
-Eigen::Vector3d PlaneNormal(const std::vector<Eigen::Vector3d>& points) {
-  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
-  for (const auto& x : points) mean += x / static_cast<double>(points.size());
-  Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();
-  for (const auto& x : points) scatter += (x - mean) * (x - mean).transpose();
-  return Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(scatter).eigenvectors().col(0);
 }
 
 }  // namespace

@@ -3,10 +3,10 @@
 #include <fmt/format.h>
 
 #include <Eigen/Geometry>
-#include <cmath>
 
 #include "core/error.h"
 #include "export/ply_reader.h"
+#include "geometry/tile_index.h"
 
 namespace rigmap {
 namespace {
@@ -28,13 +28,9 @@ Eigen::AlignedBox2d BoundsOf(const std::filesystem::path& ply) {
 
 }  // namespace
 
-int CellFrame::Column(double x_m) const {
-  return static_cast<int>(static_cast<std::int64_t>(std::floor(x_m / cell_m)) - west);
-}
+int CellFrame::Column(double x_m) const { return static_cast<int>(TileAlong(x_m, cell_m) - west); }
 
-int CellFrame::Row(double y_m) const {
-  return static_cast<int>(north - static_cast<std::int64_t>(std::floor(y_m / cell_m)));
-}
+int CellFrame::Row(double y_m) const { return static_cast<int>(north - TileAlong(y_m, cell_m)); }
 
 Eigen::Vector2d CellFrame::UpperLeft() const {
   return cell_m * Eigen::Vector2d(static_cast<double>(west), static_cast<double>(north + 1));
