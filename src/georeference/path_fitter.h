@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "georeference/antenna_path.h"
-#include "georeference/plane_fit.h"
+#include "georeference/rigid2.h"
 
 namespace rigmap {
 

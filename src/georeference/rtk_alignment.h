@@ -8,7 +8,7 @@
 
 #include "core/options.h"
 #include "georeference/geodetic.h"
-#include "georeference/plane_fit.h"
+#include "georeference/rigid2.h"
 #include "scene/survey.h"
 #include "scene/trajectory.h"
 

@@ -5,7 +5,7 @@
 #include <functional>
 #include <vector>
 
-#include "georeference/plane_fit.h"
+#include "georeference/rigid2.h"
 #include "scene/survey.h"
 #include "scene/trajectory.h"
 #include "tests/support/seeded_random.h"

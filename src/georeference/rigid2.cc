@@ -1,4 +1,4 @@
-#include "georeference/plane_fit.h"
+#include "georeference/rigid2.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
