@@ -177,7 +177,6 @@ class Adjuster {
 
   Adjustment Result(CameraSystemResult system) {
     Adjustment result;
-    result.observation_counts = ObservationsPerFrame(bundle_);
     const auto errors = ErrorsPx(bundle_);
     result.reprojection_px = errors.empty() ? 0.0 : Median(errors);
     result.noise_px = noise_px_;

@@ -6,8 +6,6 @@
 #include <opencv2/calib3d.hpp>
 #include <random>
 
-#include "core/statistics.h"
-
 namespace rigmap {
 namespace {
 
@@ -123,16 +121,12 @@ class PoseProblem {
 
   StereoPose Judge(const Rigid3& motion, const Matrix6d& normal) const {
     StereoPose result{.current_from_reference = motion, .covariance = normal.inverse()};
-    std::vector<double> errors_px;
     for (const auto& sighting : sightings_) {
-      const auto at = Linearise(sighting, motion);
-      const bool inlier = at && SquaredSigmas(sighting, motion) <= MaxSquared();
+      const bool inlier =
+          Linearise(sighting, motion) && SquaredSigmas(sighting, motion) <= MaxSquared();
       result.inliers.push_back(inlier);
-      if (!inlier) continue;
-      ++result.inlier_count;
-      errors_px.push_back(at->residual.head<2>().norm() * rig_.left.camera.MeanFocal());
+      result.inlier_count += inlier ? 1 : 0;
     }
-    if (!errors_px.empty()) result.median_error_px = Median(std::move(errors_px));
     return result;
   }
 

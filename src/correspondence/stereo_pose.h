@@ -31,7 +31,6 @@ struct StereoPose {
   Matrix6d covariance = Matrix6d::Zero();  // of a left perturbation (translation m, rotation rad)
   std::vector<bool> inliers;               // counted on this very pose, one per sighting
   int inlier_count = 0;
-  double median_error_px = 0.0;  // of the inliers
 };
 
 // RANSAC over three-point poses and the given guesses, then a robust least-squares refinement in

@@ -16,7 +16,6 @@ namespace rigmap {
 
 inline constexpr double kHeightCell_m = 0.02;
 inline constexpr int kTileCells = 16;  // along a tile's edge: 0.32 m
-inline constexpr double kTile_m = kHeightCell_m * kTileCells;
 
 struct HeightCell {
   float top_m = -std::numeric_limits<float>::infinity();

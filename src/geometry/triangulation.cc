@@ -71,16 +71,4 @@ std::optional<Eigen::Vector3d> TriangulateStereo(const Rigid3& right_from_left,
   return Triangulate(views);
 }
 
-double TriangulationAngle(std::span<const View> views, const Eigen::Vector3d& x_in_world) {
-  double largest = 0.0;
-  for (std::size_t i = 0; i < views.size(); ++i) {
-    const Eigen::Vector3d a = views[i].camera_from_world.Inverse().translation - x_in_world;
-    for (std::size_t j = i + 1; j < views.size(); ++j) {
-      const Eigen::Vector3d b = views[j].camera_from_world.Inverse().translation - x_in_world;
-      largest = std::max(largest, std::atan2(a.cross(b).norm(), a.dot(b)));
-    }
-  }
-  return largest;
-}
-
 }  // namespace rigmap

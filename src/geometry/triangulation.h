@@ -24,7 +24,4 @@ std::optional<Eigen::Vector3d> TriangulateStereo(const Rigid3& right_from_left,
                                                  const Eigen::Vector2d& left_normalised,
                                                  const Eigen::Vector2d& right_normalised);
 
-// Largest angle (radians) between any two of the rays that meet at x.
-double TriangulationAngle(std::span<const View> views, const Eigen::Vector3d& x_in_world);
-
 }  // namespace rigmap

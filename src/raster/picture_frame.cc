@@ -53,7 +53,7 @@ std::string ScaleBarLabel(double length_m) { return fmt::format("{:.6g} m", leng
 Canvas EmptyCanvas(const cv::Size& view) {
   const int width = std::max(view.width + 2 * kMarginPx, kMinPictureWidth);
   const int height = view.height + 2 * kMarginPx + kFooterPx;
-  return {cv::Mat3b(height, width, cv::Vec3b(244, 244, 244)),
+  return {cv::Mat(height, width, CV_8UC3, kBackgroundColour),
           cv::Rect((width - view.width) / 2, kMarginPx, view.width, view.height)};
 }
 

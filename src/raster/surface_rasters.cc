@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "core/error.h"
@@ -70,52 +70,36 @@ SurfaceGrid TileSurface(PointBins& bins, int tile_column, int tile_row, double l
   return surface.Finish();
 }
 
-// Cells of the tile itself in which something was seen.
-std::uint64_t SeenCells(const SurfaceGrid& grid, int margin) {
-  std::uint64_t count = 0;
-  for (int row = margin; row < grid.rows - margin; ++row) {
-    for (int column = margin; column < grid.columns - margin; ++column) {
-      count += grid.Holds(column, row) ? 1 : 0;
-    }
-  }
-  return count;
-}
-
-void WriteTiles(PointBins& bins, int max_hole_cells, MapFile& height, MapFile& ortho,
-                RasterSummary& summary) {
-  for (int row = 0; row < summary.frame.TilesDown(); ++row) {
-    for (int column = 0; column < summary.frame.TilesAcross(); ++column) {
+void WriteTiles(PointBins& bins, const CellFrame& frame, int max_hole_cells,
+                const std::array<MapFile*, 2>& maps) {
+  for (int row = 0; row < frame.TilesDown(); ++row) {
+    for (int column = 0; column < frame.TilesAcross(); ++column) {
       if (!bins.HasPoints(column, row)) continue;
-      SurfaceGrid grid = TileSurface(bins, column, row, summary.frame.cell_m);
-      const std::uint64_t measured = SeenCells(grid, bins.margin());
+      SurfaceGrid grid = TileSurface(bins, column, row, frame.cell_m);
       FillPinholes(grid, max_hole_cells, max_hole_cells);
-      summary.measured_cells += measured;
-      summary.filled_cells += SeenCells(grid, bins.margin()) - measured;
-      height.WriteTile(column, row, grid, bins.margin());
-      ortho.WriteTile(column, row, grid, bins.margin());
+      for (MapFile* map : maps) map->WriteTile(column, row, grid, bins.margin());
     }
   }
 }
 
 }  // namespace
 
-RasterSummary WriteSurfaceRasters(const GriddedCloud& cloud, const fs::path& folder,
-                                  const RasterOptions& options, const Georeference& georeference) {
+void WriteSurfaceRasters(const GriddedCloud& cloud, const fs::path& folder,
+                         const RasterOptions& options, const Georeference& georeference) {
   cloud.Validate();
   RequireValid(options);
-  RasterSummary summary{FrameOf(cloud)};
+  const CellFrame frame = FrameOf(cloud);
   const ScratchFolder scratch(folder / "rasters.unfinished");
   const GdalSession session;
-  PointBins bins(summary.frame, options.max_hole_cells, scratch.File("points"));
+  PointBins bins(frame, options.max_hole_cells, scratch.File("points"));
   FillBins(cloud.ply, bins);
-  MapFile height(scratch.File("height"), MapLayer::kHeight, summary.frame, georeference);
-  MapFile ortho(scratch.File("ortho"), MapLayer::kColour, summary.frame, georeference);
-  WriteTiles(bins, options.max_hole_cells, height, ortho, summary);
+  MapFile height(scratch.File("height"), MapLayer::kHeight, frame, georeference);
+  MapFile ortho(scratch.File("ortho"), MapLayer::kColour, frame, georeference);
+  WriteTiles(bins, frame, options.max_hole_cells, {&height, &ortho});
   height.SaveCloudOptimised(scratch.File("height.tif"));
   ortho.SaveCloudOptimised(scratch.File("ortho.tif"));
   Publish(scratch.File("height.tif"), folder / "height.tif");
   Publish(scratch.File("ortho.tif"), folder / "ortho.tif");
-  return summary;
 }
 
 }  // namespace rigmap

@@ -1,19 +1,12 @@
 // The map of a part as GeoTIFF files: the height of its surface, and its colours seen from above.
 #pragma once
 
-#include <cstdint>
 #include <filesystem>
 
 #include "raster/geotiff.h"
 #include "raster/raster_options.h"
 
 namespace rigmap {
-
-struct RasterSummary {
-  CellFrame frame;
-  std::uint64_t measured_cells = 0;
-  std::uint64_t filled_cells = 0;  // pinholes, see upper_surface.h
-};
 
 // Writes folder/height.tif and folder/ortho.tif, cloud-optimised GeoTIFFs of the same cells. Cells
 // as in UpperSurface, with layers as thick as a cell.
@@ -25,8 +18,7 @@ struct RasterSummary {
 // whose name IsTemporaryName knows. Throws DataError naming the file for a cloud that cannot be
 // read, has no point or spreads too far (FrameOf), and where writing fails; old files are then left
 // as they were. Throws UsageError. One call at a time in a process.
-RasterSummary WriteSurfaceRasters(const GriddedCloud& cloud, const std::filesystem::path& folder,
-                                  const RasterOptions& options,
-                                  const Georeference& georeference = {});
+void WriteSurfaceRasters(const GriddedCloud& cloud, const std::filesystem::path& folder,
+                         const RasterOptions& options, const Georeference& georeference = {});
 
 }  // namespace rigmap

@@ -42,7 +42,6 @@ struct Adjustment {
   // Of world_from_left relative to the frame's anchor, about the gauge's axes: translation (m),
   // then rotation (rad). Grown by what residuals that go together and a corrected rig add.
   std::vector<Matrix6d> covariances;
-  std::vector<int> observation_counts;  // per frame, of its points
   std::vector<AdjustedPoint> points;
   StereoRig rig;  // as calibrated, unless the part corrected it
   // By how much it was corrected, also in sigmas of the prior; zero if it was not.
@@ -59,7 +58,7 @@ struct Adjustment {
 
   template <class Archive>
   void serialize(Archive& archive) {
-    archive(world_from_left, anchors, covariances, observation_counts, points, rig, rig_correction,
+    archive(world_from_left, anchors, covariances, points, rig, rig_correction,
             rig_correction_sigmas, noise_px, reprojection_px, outlier_share, calibration);
   }
 };

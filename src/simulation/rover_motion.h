@@ -15,11 +15,10 @@ namespace rigmap {
 // Metres up, at a place in metres east and north.
 using GroundHeight = std::function<double(double east_m, double north_m)>;
 
-// Wheels in the order of Katwijk's drive joints.
-inline constexpr std::array<const char*, 6> kWheelNames{
-    "front left", "front right", "middle left", "middle right", "rear left", "rear right"};
-// Where they touch the ground, in body axes. Not published: from the steering angles, wheel ways
-// and bogie angles of the rendered stand-in for the data set, to about 5 cm.
+// Wheels in the order of Katwijk's drive joints: front left, front right, middle left, middle
+// right, rear left, rear right. Where they touch the ground, in body axes. Not published: from the
+// steering angles, wheel ways and bogie angles of the rendered stand-in for the data set, to about
+// 5 cm.
 inline constexpr double kWheelBase_m = 0.60;  // from middle to front and to rear
 inline constexpr double kHalfTrack_m = 0.37;
 inline constexpr double kWheelRadius_m = 0.123;

@@ -37,10 +37,6 @@ struct SensorClock {
 inline constexpr double kSensorsBefore_s = 3.7;
 inline constexpr double kSensorsAfter_s = 2.0;
 
-inline bool IsWithin(const std::vector<TimeSpan>& spans, double time_s) {
-  return std::ranges::any_of(spans, [=](const TimeSpan& span) { return span.Contains(time_s); });
-}
-
 // As Katwijk's text files have it: like FormatKatwijkStamp, but a whole second is written as
 // millisecond 1000 of the second before ("..._35_1000" is 36.000 s).
 std::string FormatKatwijkStampAsRecorded(StampNs stamp_ns);

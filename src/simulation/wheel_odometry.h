@@ -18,7 +18,7 @@ struct JointReading {
 
 struct OdometrySample {
   StampNs stamp_ns = 0;
-  // In the order of kWheelNames. Positive: forwards.
+  // In the order of kWheelInBody. Positive: forwards.
   std::array<JointReading, 6> drives;
   // Front left, front right, rear left, rear right. Positive: the wheel points to the left.
   std::array<JointReading, 4> steering;

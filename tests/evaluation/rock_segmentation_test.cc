@@ -155,6 +155,7 @@ TEST(RockSegmentation, PiecesMakeTheSameMapInLittleMemory) {
     pieces.Add(std::span(cloud).subspan(i, std::min<std::size_t>(1000, cloud.size() - i)));
   }
   // Sixty square metres.
+  constexpr double kTile_m = kHeightCell_m * kTileCells;
   EXPECT_LE(static_cast<double>(whole.tiles().size()) * kTile_m * kTile_m, 60.0 * 1.15);
   ExpectBoxes(SegmentRocks(pieces));
   EXPECT_EQ(SegmentRocks(whole).rocks[0].width_m, SegmentRocks(pieces).rocks[0].width_m);

@@ -115,19 +115,5 @@ TEST(TriangulateStereo, AnswersInLeftAxesAndScalesWithTheRig) {
   }
 }
 
-TEST(TriangulationAngle, IsTheLargestOfAllPairs) {
-  const Eigen::Vector3d x_in_world(0.0, 0.0, 1.0);
-  const auto camera_at = [](double x) {
-    return Rigid3{Eigen::Quaterniond::Identity(), {-x, 0.0, 0.0}};
-  };
-  std::vector<View> views{Seen(camera_at(0.0), x_in_world), Seen(camera_at(0.1), x_in_world)};
-  EXPECT_NEAR(TriangulationAngle(views, x_in_world), std::atan(0.1), 1e-12);
-  views.push_back(Seen(camera_at(-1.0), x_in_world));
-  EXPECT_NEAR(TriangulationAngle(views, x_in_world), std::numbers::pi / 4.0 + std::atan(0.1),
-              1e-12);
-  views.resize(1);
-  EXPECT_EQ(TriangulationAngle(views, x_in_world), 0.0);
-}
-
 }  // namespace
 }  // namespace rigmap

@@ -88,7 +88,7 @@ TEST(WheelOdometry, TurnsOnTheSpotWithOppositeSides) {
   EXPECT_NEAR(turning.steering[0].angle_rad, -kLargestSteering_rad, 1e-9);
   EXPECT_NEAR(turning.steering[1].angle_rad, kLargestSteering_rad, 1e-9);
   for (std::size_t wheel = 0; wheel < 6; ++wheel) {
-    EXPECT_EQ(turning.drives[wheel].rate_radps > 0.0, wheel % 2 == 1) << kWheelNames[wheel];
+    EXPECT_EQ(turning.drives[wheel].rate_radps > 0.0, wheel % 2 == 1) << wheel;
   }
 }
 
