@@ -1,7 +1,6 @@
 // The command line of the traverse simulator.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <tbb/global_control.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -14,7 +13,7 @@
 #include "core/config_file.h"
 #include "core/error.h"
 #include "core/file.h"
-#include "core/progress.h"
+#include "core/job.h"
 #include "dataset/rig_file.h"
 #include "simulation/faults.h"
 #include "simulation/rig_errors.h"
@@ -106,13 +105,12 @@ int Main(int argc, char** argv) {
   }
   a.request.Validate();
   RequireUsableFolder(a.out, a.force);
-  SetProgressQuiet(a.quiet);
   a.request.rig = Scaled(
       ReadRigFile(a.rig.empty() ? ConfigFile("rigs/loccam.yaml") : fs::path(a.rig)), a.image_scale);
-  const tbb::global_control threads(tbb::global_control::max_allowed_parallelism,
-                                    static_cast<std::size_t>(a.threads));
   cv::setNumThreads(1);
-  WriteFolderAtomically(a.out, [&](const fs::path& folder) { SimulatePart(a.request, folder); });
+  Job(a.threads, a.quiet).Run([&] {
+    WriteFolderAtomically(a.out, [&](const fs::path& folder) { SimulatePart(a.request, folder); });
+  });
   return 0;
 }
 

@@ -6,21 +6,37 @@
 
 #include "core/error.h"
 #include "core/file.h"
+#include "evaluation/matched_poses.h"
 #include "export/tum.h"
-#include "workflows/compare_result.h"
 #include "workflows/format_metrics.h"
 #include "workflows/part_options.h"
+#include "workflows/stages/compare_result.h"
 
 namespace rigmap {
 namespace {
+
+// Throws DataError for a truth of another time. Of a result of one or two poses a match is enough.
+void RequireMatch(const nlohmann::ordered_json& metrics, const std::filesystem::path& truth,
+                  const EvaluationOptions& options) {
+  const double coverage = metrics.value("coverage", 0.0);
+  if (!metrics.contains("error") || (metrics["frames"] < kMinMatches && coverage > 0.0)) return;
+  throw DataError(fmt::format(
+      "{}: expected poses within {} s of the result's, found {} in the time of its {} poses of "
+      "which {:.0f} % match",
+      truth.string(), options.max_dt_s, metrics["gt_frames"].get<int>(),
+      metrics["frames"].get<int>(), 100.0 * coverage));
+}
 
 nlohmann::ordered_json Metrics(const EvaluateRequest& request) {
   if (request.truth) {
     const auto config = request.out / "config.yaml";
     const PartOptions options =
         std::filesystem::exists(config) ? LoadPartOptions(config, {}) : PartOptions();
-    return CompareWithTruth(ReadTum(request.out / "trajectory.tum"), TruthFile(*request.truth),
-                            request.out / "dense.ply", options);
+    const auto truth = TruthFile(*request.truth);
+    const auto metrics = CompareWithTruth(ReadTum(request.out / "trajectory.tum"), truth,
+                                          request.out / "dense.ply", options.evaluation);
+    RequireMatch(metrics, truth, options.evaluation);
+    return metrics;
   }
   const auto path = request.out / "evaluation.json";
   if (!std::filesystem::exists(path)) {

@@ -1,11 +1,11 @@
 // The command line: rigmap part, rigmap evaluate.
 #include <fmt/format.h>
-#include <spdlog/sinks/stdout_sinks.h>
-#include <spdlog/spdlog.h>
+#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <charconv>
+#include <csignal>
 #include <cstdio>
 #include <filesystem>
 #include <optional>
@@ -14,26 +14,16 @@
 #include "core/config_file.h"
 #include "core/error.h"
 #include "core/freed_memory.h"
-#include "core/progress.h"
+#include "pipeline/code_identity.h"
 #include "workflows/evaluate_part.h"
 #include "workflows/print_options.h"
 #include "workflows/reconstruct_part.h"
-#include "workflows/stage_runner.h"
 
 namespace rigmap {
 namespace {
 
 namespace fs = std::filesystem;
-constexpr int kExitFailed = 1, kExitUsage = 2;
-
-// Everything but what was asked for goes to stderr.
-void LogToStderr(bool quiet) {
-  auto logger =
-      std::make_shared<spdlog::logger>("rigmap", std::make_shared<spdlog::sinks::stderr_sink_st>());
-  logger->set_pattern("rigmap: %v");
-  logger->set_level(quiet ? spdlog::level::err : spdlog::level::info);
-  spdlog::set_default_logger(std::move(logger));
-}
+constexpr int kExitFailed = 1, kExitUsage = 2, kExitUntrusted = 3;
 
 std::pair<int, int> ParseFrames(const std::string& text) {
   int first = -1, end = -1;
@@ -50,6 +40,7 @@ std::pair<int, int> ParseFrames(const std::string& text) {
 
 struct PartArguments {
   std::string dataset, out, rig, config, frames, format, until, from, truth;
+  std::string technique = "rig";
   std::optional<int> traverse, part, threads;
   int memory_mb = 2048;
   std::vector<std::string> assignments;
@@ -64,12 +55,13 @@ void AddPart(CLI::App& app, PartArguments& a) {
   part->add_option("--rig", a.rig, "Rig file, instead of the one beside the data");
   part->add_option("--format", a.format, "katwijk or stereo, instead of what is recognised");
   part->add_option("--out", a.out, "Folder for the results")->required();
+  part->add_option("--technique", a.technique, "rig (default) or vo: how poses are found");
   part->add_option("--frames", a.frames, "FIRST:END of the paired frames, END excluded");
   part->add_option("--config", a.config, "YAML file of options (rigmap options lists all)");
   part->add_option("--set", a.assignments, "stage.option=value, over --config");
-  part->add_option("--until", a.until, "Stop after this stage");
-  part->add_option("--from", a.from, "Do this stage and all after it anew");
-  part->add_flag("--force", a.force, "Empty the output folder first, whatever it holds");
+  part->add_option("--until", a.until, "Do no more than this stage and what it depends on");
+  part->add_option("--from", a.from, "Do this stage and those that depend on it anew");
+  part->add_flag("--force", a.force, "Remove an earlier result from the output folder first");
   part->add_option("--threads", a.threads, "Threads; default: one per core");
   part->add_option("--memory", a.memory_mb, "Megabytes that dense matching may use");
   part->add_option("--truth", a.truth, "TUM file, or folder with trajectory.tum");
@@ -77,10 +69,22 @@ void AddPart(CLI::App& app, PartArguments& a) {
   part->footer(PartOptionsHelp);
 }
 
-void RequireStage(const char* option, const std::string& name) {
-  if (!name.empty() && !IsStageName(name)) {
-    throw UsageError(fmt::format("{}: expected one of {}, found '{}'", option,
-                                 fmt::join(kStageNames, ", "), name));
+// The place of a stage in the technique's order.
+std::ptrdiff_t PlaceOf(const char* option, const std::string& name, Technique technique) {
+  const auto names = StageNames(technique);
+  const auto found = std::ranges::find(names, name);
+  if (found == names.end()) {
+    throw UsageError(
+        fmt::format("{}: expected one of {}, found '{}'", option, fmt::join(names, ", "), name));
+  }
+  return found - names.begin();
+}
+
+void RequireStages(const PartArguments& a, Technique technique) {
+  const auto until = a.until.empty() ? 0 : PlaceOf("--until", a.until, technique);
+  const auto from = a.from.empty() ? 0 : PlaceOf("--from", a.from, technique);
+  if (!a.until.empty() && !a.from.empty() && until < from) {
+    throw UsageError(fmt::format("--from {}: comes after --until {}", a.from, a.until));
   }
 }
 
@@ -90,12 +94,9 @@ std::optional<Value> IfGiven(const std::string& text) {
 }
 
 PartRequest MakeRequest(const PartArguments& a, std::string command) {
-  RequireStage("--until", a.until);
-  RequireStage("--from", a.from);
-  if (!a.until.empty() && !a.from.empty() && ComesBefore(a.until, a.from)) {
-    throw UsageError(fmt::format("--from {}: comes after --until {}", a.from, a.until));
-  }
   PartRequest request;
+  request.technique = ParseTechnique(a.technique);
+  RequireStages(a, request.technique);
   request.dataset.folder = a.dataset;
   request.dataset.traverse = a.traverse;
   request.dataset.part = a.part;
@@ -127,21 +128,23 @@ PartRequest MakeRequest(const PartArguments& a, std::string command) {
 }
 
 int RunPart(const PartArguments& arguments, std::string command) {
-  LogToStderr(arguments.quiet);
-  SetProgressQuiet(arguments.quiet);
   const PartResult result = ReconstructPart(MakeRequest(arguments, std::move(command)));
   if (result.status == PartStatus::kUntrusted) {
     fmt::print(stderr, "rigmap: the result is not to be trusted: {}\n", result.reason);
-  } else if (!arguments.quiet) {
-    fmt::print(stderr, "rigmap: {}, no gate failed; results in {}\n",
-               arguments.until.empty() ? "done" : "done up to " + arguments.until, arguments.out);
+    return kExitUntrusted;
   }
-  return static_cast<int>(result.status);
+  if (!arguments.quiet) {
+    const bool partial = result.status == PartStatus::kPartial;
+    fmt::print(stderr, "rigmap: {}, {}; results in {}\n",
+               arguments.until.empty() ? "done" : "done up to " + arguments.until,
+               partial ? result.reason : "no gate failed", arguments.out);
+  }
+  return 0;
 }
 
 int Main(int argc, char** argv) {
   CLI::App app("Metric trajectories and maps from stereo rovers", "rigmap");
-  app.set_version_flag("--version", RIGMAP_VERSION);
+  app.set_version_flag("--version", std::string(SourceVersion()));
   app.require_subcommand(1);
   PartArguments part;
   AddPart(app, part);
@@ -162,7 +165,6 @@ int Main(int argc, char** argv) {
   }
   std::string command;
   for (int i = 0; i < argc; ++i) command += fmt::format("{}{}", i ? " " : "", argv[i]);
-  LogToStderr(part.quiet);
   if (evaluation->parsed()) {
     evaluate.truth = IfGiven<fs::path>(truth);
     fmt::print("{}", EvaluatePart(evaluate));
@@ -173,6 +175,15 @@ int Main(int argc, char** argv) {
     return 0;
   }
   return RunPart(part, std::move(command));
+}
+
+// For Ctrl-C: only what is allowed in a handler.
+void SayHowToGoOn(int signal) {
+  constexpr std::string_view kSentence =
+      "\nrigmap: interrupted; the same command again goes on from here\n";
+  [[maybe_unused]] const auto written = write(STDERR_FILENO, kSentence.data(), kSentence.size());
+  std::signal(signal, SIG_DFL);
+  std::raise(signal);
 }
 
 // One line, whatever input or other programs have put into the sentence.
@@ -188,6 +199,7 @@ void SayLast(std::string sentence) {
 
 int main(int argc, char** argv) {
   rigmap::KeepFreedMemory();
+  std::signal(SIGINT, rigmap::SayHowToGoOn);
   try {
     return rigmap::Main(argc, argv);
   } catch (const rigmap::UsageError& error) {

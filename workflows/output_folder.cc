@@ -2,15 +2,22 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <pwd.h>
 #include <sys/file.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
+#include <cstdlib>
 #include <cstring>
+#include <optional>
+#include <set>
+#include <sstream>
 
 #include "core/error.h"
 #include "core/file.h"
+#include "core/stamp.h"
+#include "workflows/recipes.h"
 
 namespace rigmap {
 namespace {
@@ -19,19 +26,77 @@ namespace fs = std::filesystem;
 constexpr const char* kLockName = ".lock";
 // In the root itself, so that a run that is killed while it claims an empty folder leaves nothing
 // in it but what IsEmpty knows.
-constexpr const char* kIdentityName = ".dataset";
+constexpr const char* kMarkName = ".dataset";
+
+// Beside what the techniques publish.
+constexpr const char* kOwnNames[] = {kLockName,     kMarkName, "summary.json",
+                                     "config.yaml", "logs",    "stages"};
+
+bool IsUnfinishedMark(const fs::path& name) {
+  return name.stem() == kMarkName && IsTemporaryName(name);
+}
 
 bool IsEmpty(const fs::path& root) {
   return std::all_of(fs::directory_iterator(root), fs::directory_iterator(), [](const auto& entry) {
     const auto name = entry.path().filename();
-    return name == kLockName || (name.stem() == kIdentityName && IsTemporaryName(name));
+    return name == kLockName || IsUnfinishedMark(name);
   });
+}
+
+// Names in the folder that rigmap may have written.
+std::set<std::string> OwnNames() {
+  std::set<std::string> names(std::begin(kOwnNames), std::end(kOwnNames));
+  for (const std::string& output : KnownOutputs()) names.insert(*fs::path(output).begin());
+  return names;
+}
+
+bool IsOwn(const fs::path& entry, const std::set<std::string>& own) {
+  const std::string name = entry.filename().string();
+  return own.contains(name) || IsTemporaryName(name);
+}
+
+void RequireNothingForeign(const fs::path& root) {
+  const std::set<std::string> own = OwnNames();
+  for (const auto& entry : fs::directory_iterator(root)) {
+    if (IsOwn(entry.path(), own)) continue;
+    throw DataError(
+        fmt::format("{}: --force would remove {}, which rigmap did not write; move it elsewhere",
+                    root.string(), entry.path().filename().string()));
+  }
+}
+
+// Folders that no mark makes an output folder.
+void RequireNoHome(const fs::path& root) {
+  const fs::path whole = fs::weakly_canonical(root);
+  const char* home = std::getenv("HOME");
+  const passwd* user = getpwuid(getuid());
+  if (whole == whole.root_path() || (home && whole == fs::weakly_canonical(home)) ||
+      (user && whole == fs::weakly_canonical(user->pw_dir)) || whole.parent_path() == "/home") {
+    throw DataError(fmt::format("{}: a home or the root is no output folder", root.string()));
+  }
 }
 
 void Empty(const fs::path& root) {
   for (const auto& entry : fs::directory_iterator(root)) {
     if (entry.path().filename() != kLockName) fs::remove_all(entry.path());
   }
+}
+
+std::string MarkText(const FolderMark& mark) {
+  return fmt::format("results of rigmap\nframes {}\n{}\n", mark.frames, mark.description);
+}
+
+// Nothing where it was not written by this kind of rigmap.
+std::optional<FolderMark> ReadMark(const fs::path& path) {
+  std::istringstream text(ReadTextFile(path));
+  std::string title, frames;
+  FolderMark mark;
+  std::getline(text, title);
+  std::getline(text, frames);
+  std::getline(text, mark.description);
+  if (title != "results of rigmap" || !frames.starts_with("frames ")) return std::nullopt;
+  mark.frames = frames.substr(7);
+  return mark;
 }
 
 bool LiesIn(const fs::path& file, const fs::path& folder) {
@@ -43,24 +108,11 @@ bool LiesIn(const fs::path& file, const fs::path& folder) {
 
 }  // namespace
 
-std::vector<fs::path> OutputLayout::PublishedBy(const std::string& stage) const {
-  if (stage == "database") return {Database(), Images()};
-  if (stage == "mapping") return {Models()};
-  if (stage == "adjustment") {
-    return {root / "trajectory.tum",
-            root / "trajectory.csv",
-            root / "trajectory_midpoint.tum",
-            root / "trajectory_antenna.tum",
-            RefinedRig(),
-            Sparse(),
-            root / "sparse.ply"};
-  }
-  if (stage == "fusion") {
-    return {root / "dense.ply",    root / "height.tif",    root / "ortho.tif",
-            root / "view_top.png", root / "view_side.png", root / "view_oblique.png"};
-  }
-  if (stage == "evaluation") return {root / "evaluation.json"};
-  return {};
+FolderMark MarkOf(const Dataset& dataset, const DatasetContent& content) {
+  const auto& frames = dataset.frames;
+  return {content.FramesKey(), fmt::format("{} pairs from {} to {} s", frames.size(),
+                                           FormatSeconds(frames.front().stamp_ns),
+                                           FormatSeconds(frames.back().stamp_ns))};
 }
 
 OutputLock::OutputLock(const fs::path& root) {
@@ -84,50 +136,58 @@ OutputLock::OutputLock(const fs::path& root) {
 
 OutputLock::~OutputLock() { close(descriptor_); }
 
-void RequireOwnOutput(const OutputLayout& layout, const std::string& identity, bool force) {
+void RequireOwnOutput(const fs::path& root, const FolderMark& mark, bool force) {
   std::error_code ignored;
-  if (!fs::exists(layout.root, ignored)) return;
-  if (!fs::is_directory(layout.root, ignored)) {
+  if (!fs::exists(root, ignored)) return;
+  if (!fs::is_directory(root, ignored)) {
+    throw DataError(fmt::format("{}: expected an output folder, found a file", root.string()));
+  }
+  RequireNoHome(root);
+  if (IsEmpty(root)) return;
+  if (!fs::exists(root / kMarkName)) {
     throw DataError(
-        fmt::format("{}: expected an output folder, found a file", layout.root.string()));
+        fmt::format("{}: the output folder is not empty and holds no results of rigmap; choose "
+                    "another",
+                    root.string()));
   }
-  if (force || IsEmpty(layout.root)) return;
-  const fs::path mark = layout.root / kIdentityName;
-  if (!fs::exists(mark)) {
-    throw DataError(fmt::format(
-        "{}: the output folder is not empty and holds no results of rigmap; choose another, or "
-        "--force to empty it",
-        layout.root.string()));
-  }
-  const std::string found = ReadTextFile(mark);
-  if (found != identity + "\n") {
-    throw DataError(
-        fmt::format("{}: expected results of {}, found those of {}; choose another folder, or "
-                    "--force to start anew",
-                    layout.root.string(), identity, found.substr(0, found.find('\n'))));
-  }
+  if (force) return RequireNothingForeign(root);
+  const auto found = ReadMark(root / kMarkName);
+  if (found && found->frames == mark.frames) return;
+  throw DataError(fmt::format(
+      "{}: holds results of other frames ({}) than those asked for ({}); choose another "
+      "folder, or --force to remove them and start anew",
+      root.string(), found ? found->description : "of an older rigmap", mark.description));
 }
 
-void RequireInputElsewhere(const OutputLayout& layout, const Dataset& dataset) {
+void RequireInputElsewhere(const fs::path& root, const Dataset& dataset) {
   std::vector<std::string> files{dataset.rig.source, dataset.truth_path, dataset.rig.left.mask_path,
                                  dataset.rig.right.mask_path};
+  std::set<fs::path> image_folders;
   for (const StereoFrame& frame : dataset.frames) {
-    files.insert(files.end(), {frame.left_path, frame.right_path});
+    for (const Eye eye : kEyes) {
+      files.push_back(frame.PathOf(eye));
+      image_folders.insert(fs::path(frame.PathOf(eye)).parent_path());
+    }
   }
   for (const std::string& file : files) {
-    if (!file.empty() && LiesIn(file, layout.root)) {
+    if (!file.empty() && LiesIn(file, root)) {
       throw DataError(fmt::format("{}: the output folder holds the input {}; choose another",
-                                  layout.root.string(), file));
+                                  root.string(), file));
+    }
+  }
+  for (const fs::path& folder : image_folders) {
+    if (LiesIn(root, folder)) {
+      throw DataError(
+          fmt::format("{}: the output folder lies among the images in {}; choose another",
+                      root.string(), folder.string()));
     }
   }
 }
 
-void ClaimOutput(const OutputLayout& layout, const std::string& identity, bool force) {
-  RequireOwnOutput(layout, identity, force);
-  if (force) Empty(layout.root);
-  for (const char* name : {"summary.json", "config.yaml"}) fs::remove(layout.root / name);
-  WriteFileAtomically(layout.root / kIdentityName,
-                      [&](std::ostream& stream) { stream << identity << '\n'; });
+void ClaimOutput(const fs::path& root, const FolderMark& mark, bool force) {
+  if (force) Empty(root);
+  for (const char* name : {"summary.json", "config.yaml"}) fs::remove(root / name);
+  WriteFileAtomically(root / kMarkName, [&](std::ostream& stream) { stream << MarkText(mark); });
 }
 
 }  // namespace rigmap

@@ -7,14 +7,16 @@
 
 #include "dataset/open_dataset.h"
 #include "workflows/part_options.h"
+#include "workflows/recipes.h"
 
 namespace rigmap {
 
 struct PartRequest {
   DatasetRequest dataset;
   std::filesystem::path out;
+  Technique technique = Technique::kRig;
   PartOptions options;
-  std::optional<std::string> until, from;  // stage names
+  std::optional<std::string> until, from;  // stage names of the technique
   bool force = false;                      // empty the output folder first
   int threads = 2;
   int memory_mb = 2048;                        // bounds how many frames are dense-matched at once
@@ -22,8 +24,5 @@ struct PartRequest {
   bool quiet = false;
   std::string command;  // as typed, for summary.json
 };
-
-// How a run ended; also the exit code.
-enum class PartStatus { kTrusted = 0, kUntrusted = 3 };
 
 }  // namespace rigmap

@@ -1,109 +1,121 @@
 #include "workflows/reconstruct_part.h"
 
+#include <fmt/format.h>
 #include <spdlog/spdlog.h>
-#include <tbb/global_control.h>
 
 #include <filesystem>
 #include <opencv2/core.hpp>
 
 #include "colmap/database.h"
+#include "core/file.h"
 #include "dataset/open_dataset.h"
 #include "export/tum.h"
+#include "pipeline/stage_runner.h"
 #include "workflows/evaluate_part.h"
-#include "workflows/part_stages.h"
+#include "workflows/output_folder.h"
 #include "workflows/part_summary.h"
+#include "workflows/stages/database.h"
 
 namespace rigmap {
 namespace {
 
-// What data a result folder belongs to: the folder of the first image.
-std::string DatasetIdentity(const Dataset& dataset) {
-  return std::filesystem::path(dataset.frames.front().left_path).parent_path().string();
-}
+namespace fs = std::filesystem;
 
-// The whole method, in two halves. Each stage turns what is before it into one product, keeps it,
-// skips the work if an earlier run did it, and publishes what users read (part_stages.h says what).
-
-// Images -> poses. Matches and models are let go here, since the other half needs the memory.
-AdjustedPart Localise(const Dataset& dataset, const FeatureIndex& features,
-                      const PartStages& stage) {
-  // keypoints with stereo partners -> metric motion from frame to keyframe
-  const Odometry odometry = stage.Track(dataset, features);
-
-  // verified correspondences -> COLMAP's database -> poses in COLMAP's gauge -> metres
-  const Correspondences matches = stage.Match(dataset, features, odometry);
-  const KeyframeGraph graph = stage.WriteGraph(dataset, odometry, matches);
-  const MappingResult models = stage.Map(dataset, odometry, matches, graph);
-  const PlacedKeyframes placed = stage.Scale(dataset, odometry, graph, models);
-
-  // one pose per frame, the rig held -> trajectory and sparse model
-  return stage.Adjust(dataset, features, odometry, matches, graph, placed);
-}
-
-void Reconstruct(const Dataset& dataset, const PartStages& stage) {
-  stage.TakeUp(dataset);
-  const FeatureIndex features = stage.Extract(dataset);
-  const AdjustedPart part = Localise(dataset, features, stage);
-
-  // depth of the keyframes, fused on the poses -> coloured map
-  const DepthIndex depths = stage.MatchDense(dataset, features, part);
-  stage.Fuse(dataset, part, depths);
-  stage.Evaluate(dataset, part);
-}
+fs::path HashesPath(const fs::path& root) { return root / "stages" / "hashes.bin"; }
 
 // The dataset with the truth that it is to be compared with: a TUM file that can be read. Known to
 // be wrong now, not when all work is done.
 Dataset OpenWithTruth(const PartRequest& request) {
   Dataset dataset = OpenDataset(request.dataset);
-  if (request.truth) {
-    dataset.truth_path = std::filesystem::absolute(TruthFile(*request.truth)).string();
-  }
+  if (request.truth) dataset.truth_path = fs::absolute(TruthFile(*request.truth)).string();
   if (!dataset.truth_path.empty()) ReadTum(dataset.truth_path);
   return dataset;
 }
 
-ColmapInstallation FindColmapIfNeeded(const PartRequest& request, PartSummary& summary) {
-  if (request.until && ComesBefore(*request.until, "database")) return {};
-  ColmapInstallation colmap = FindColmap();
-  colmap.patience_s = request.options.colmap.patience_s;
-  summary.SetColmapVersion(colmap.version_text);
-  return colmap;
+void WriteOutcome(const fs::path& root, const PartRequest& request, const Ledger& ledger,
+                  const std::string& failure) {
+  WriteFileAtomically(root / "summary.json", [&](std::ostream& stream) {
+    stream << WriteSummary(ledger, request, failure);
+  });
+  WriteFileAtomically(root / "config.yaml",
+                      [&](std::ostream& stream) { stream << WritePartOptions(request.options); });
 }
 
 // The reason of a failure matters more than a summary that cannot be written.
-void TryToWrite(const PartSummary& summary, const StageRunner& run) {
+void TryToWriteFailure(const fs::path& root, const PartRequest& request,
+                       const std::string& failure) {
   try {
-    summary.Write(run);
+    WriteOutcome(root, request, ReadLedger(root), failure);
   } catch (const std::exception& error) {
     spdlog::error("{}", error.what());
+  }
+}
+
+// What of an earlier result is about to go.
+void NameWhatGoes(const StageRunner& runner) {
+  if (runner.outdated_outputs().empty()) return;
+  spdlog::warn("made from other inputs, options or code, and removed: {}",
+               fmt::join(runner.outdated_outputs(), ", "));
+}
+
+// The images may have moved since they were linked.
+void RenewLinks(const fs::path& root, const Dataset& dataset) {
+  const ColmapFolder colmap{root};
+  if (fs::exists(colmap.Images())) LinkImages(dataset, colmap.Images());
+}
+
+// What a run has found out about its input before it begins.
+struct KnownInput {
+  Dataset dataset;
+  FileHashes hashes;  // of its files
+  DatasetContent content;
+
+  KnownInput(Dataset opened, const fs::path& remembered)
+      : dataset(std::move(opened)), hashes(remembered), content(HashContent(dataset, hashes)) {}
+};
+
+Ledger RunRecipe(const PartRequest& request, const fs::path& root, const KnownInput& input,
+                 Job& job) {
+  const StageGraph recipe =
+      MakeRecipe(request.technique, input.dataset, input.content, request.options);
+  StageRunner runner(
+      recipe, root,
+      {NameOf(request.technique), request.until, request.from, request.memory_mb, KnownOutputs()});
+  NameWhatGoes(runner);
+  input.hashes.Save(HashesPath(root));
+  RenewLinks(root, input.dataset);
+  runner.Run(job);
+  return runner.ledger();
+}
+
+PartResult Reconstruct(const PartRequest& request, Job& job) {
+  const fs::path root = fs::absolute(request.out);
+  Dataset dataset = OpenWithTruth(request);
+  RequireInputElsewhere(root, dataset);
+  const KnownInput input(std::move(dataset), HashesPath(root));
+  const FolderMark mark = MarkOf(input.dataset, input.content);
+  RequireOwnOutput(root, mark, request.force);
+  const OutputLock lock(root);
+  RequireUnlocked(ColmapFolder{root}.Database());
+  RequireOwnOutput(root, mark, request.force);
+  ClaimOutput(root, mark, request.force);
+  try {
+    const Ledger ledger = RunRecipe(request, root, input, job);
+    WriteOutcome(root, request, ledger, "");
+    return Judge(ledger);
+  } catch (const std::exception& error) {
+    job.LogToTerminal();
+    TryToWriteFailure(root, request, error.what());
+    throw;
   }
 }
 
 }  // namespace
 
 PartResult ReconstructPart(const PartRequest& request) {
-  const tbb::global_control parallelism(tbb::global_control::max_allowed_parallelism,
-                                        static_cast<std::size_t>(request.threads));
-  cv::setNumThreads(1);  // the work is split over frames
-  const Dataset dataset = OpenWithTruth(request);
-  const OutputLayout layout{std::filesystem::absolute(request.out)};
-  RequireInputElsewhere(layout, dataset);
-  RequireOwnOutput(layout, DatasetIdentity(dataset), request.force);
-  const OutputLock lock(layout.root);
-  RequireUnlocked(layout.Database());
-  ClaimOutput(layout, DatasetIdentity(dataset), request.force);
-  StageRunner run({layout, request.until, request.from, request.quiet});
-  PartSummary summary(request);
-  try {
-    Reconstruct(dataset, PartStages(request, FindColmapIfNeeded(request, summary), run, summary));
-  } catch (const StopAfterStage&) {
-    // --until: what was published so far is the result.
-  } catch (const std::exception& error) {
-    summary.Fail(error.what());
-    TryToWrite(summary, run);
-    throw;
-  }
-  return summary.Write(run);
+  cv::setNumThreads(1);  // of every part in this process: the work is split over frames
+  Job job(request.threads, request.quiet);
+  return job.Run([&] { return Reconstruct(request, job); });
 }
 
 }  // namespace rigmap

@@ -1,4 +1,4 @@
-// The method: from the stereo frames of a part to a metric trajectory and map.
+// One part of a traverse: from its stereo frames to whatever the technique makes of them.
 #pragma once
 
 #include <string>
@@ -7,13 +7,24 @@
 
 namespace rigmap {
 
+// What an output folder is worth, as summary.json says it.
+enum class PartStatus {
+  kOk,         // gates were asked, and none failed
+  kPartial,    // no gate was asked yet
+  kUntrusted,  // a gate failed
+  kFailed      // the run ended with an error
+};
+constexpr auto NamesOf(PartStatus) { return std::array{"ok", "partial", "untrusted", "failed"}; }
+
 struct PartResult {
-  PartStatus status = PartStatus::kTrusted;
-  std::string reason;  // why it is not to be trusted
+  PartStatus status = PartStatus::kOk;
+  std::string reason;  // why it is not to be trusted, or what is not known
 };
 
-// Writes everything of the contract into request.out. Throws Error when a part cannot be done;
-// summary.json then says so too, if the folder could be claimed.
+// Does what is missing in request.out, so that it holds everything of the contract
+// (docs/outputs.md) up to the stage asked for. Two parts may be done at once in one process, in
+// folders of their own. Throws Error when a part cannot be done; summary.json then says so too, if
+// the folder could be claimed.
 PartResult ReconstructPart(const PartRequest& request);
 
 }  // namespace rigmap

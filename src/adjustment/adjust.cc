@@ -55,13 +55,13 @@ class Adjuster {
       // Before outliers are dropped there is no point in the last digits.
       constexpr double kRoughTolerance = 1e-4;
       const bool last = round + 1 == options_.rounds;
-      Round(max_error_px, last ? options_.function_tolerance : kRoughTolerance);
+      Round(max_error_px, last ? kFineTolerance : kRoughTolerance);
       max_error_px = options_.outlier_sigmas * noise_px_;
     }
     CameraSystemResult system = SolveSystem();
     constexpr int kMaxCorrections = 5;
     for (int i = 0; i < kMaxCorrections && CorrectRig(system); ++i) {
-      Round(max_error_px, options_.function_tolerance);
+      Round(max_error_px, kFineTolerance);
       max_error_px = options_.outlier_sigmas * noise_px_;
       system = SolveSystem();
     }
@@ -73,9 +73,7 @@ class Adjuster {
     bundle_.points = TriangulateWithin(max_error_px);
     DropThinFrames();
     if (bundle_.points.empty()) return;
-    AdjustmentOptions options = options_;
-    options.function_tolerance = function_tolerance;
-    SolveBundle(noise_px_, options, bundle_);
+    SolveBundle(options_.huber_sigmas * noise_px_, function_tolerance, bundle_);
     const auto errors = ErrorsPx(bundle_);
     noise_px_ = NoisePx(errors, Redundancy(), options_.min_noise_px);
     DropBeyond(options_.outlier_sigmas * noise_px_, errors, bundle_);

@@ -51,17 +51,10 @@ OptionFields AdjustmentOptions::Fields() {
       {"max_depth_baselines", &max_depth_baselines, "baselines", MoreThan(0.0),
        "Points further away are left out: they have less than a pixel of disparity and hardly move "
        "the result."},
-  };
-  const OptionFields solver = {
       {"rounds", &rounds, "", AtLeast(1).UpTo(20),
        "Rounds of triangulating, adjusting and dropping observations."},
-      {"max_iterations", &max_iterations, "", AtLeast(1), "Most steps of the solver in a round."},
-      {"function_tolerance", &function_tolerance, "", MoreThan(0.0),
-       "Relative change of the cost at which the solver stops in the last round. With 1e-5 a "
-       "damped solver stopped too early on long parts (13.9 instead of 6.9 mm over 400 pairs); "
-       "undamped, as it is now, the poses of 103 pairs are the same from here to 1e-8."},
   };
-  return JoinFields({rig, residuals, solver});
+  return JoinFields({rig, residuals});
 }
 
 }  // namespace rigmap

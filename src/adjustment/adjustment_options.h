@@ -27,8 +27,6 @@ struct AdjustmentOptions {
   double shared_noise = 2.0;
   double max_depth_baselines = 1000.0;
   int rounds = 3;
-  int max_iterations = 50;
-  double function_tolerance = 1e-7;
 
   OptionFields Fields();
 };

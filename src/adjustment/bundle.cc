@@ -35,12 +35,13 @@ class BundleProblem {
     AddFrames();
   }
 
-  void Solve(const AdjustmentOptions& options) {
+  void Solve(double function_tolerance) {
+    constexpr int kMaxIterations = 50;  // a bound, should the tolerance not be reached
     ceres::Solver::Options solver_options;
     solver_options.linear_solver_type = ceres::SPARSE_SCHUR;
     solver_options.linear_solver_ordering = ordering_;
-    solver_options.max_num_iterations = options.max_iterations;
-    solver_options.function_tolerance = options.function_tolerance;
+    solver_options.max_num_iterations = kMaxIterations;
+    solver_options.function_tolerance = function_tolerance;
     // Nearly undamped from the start: the starting poses are good to a pixel, and damping would let
     // the bending of a long path, which hardly shows in the cost, converge slowly.
     solver_options.initial_trust_region_radius = 1e8;
@@ -89,8 +90,8 @@ class BundleProblem {
 
 }  // namespace
 
-void SolveBundle(double noise_px, const AdjustmentOptions& options, Bundle& bundle) {
-  BundleProblem(bundle, options.huber_sigmas * noise_px).Solve(options);
+void SolveBundle(double huber_px, double function_tolerance, Bundle& bundle) {
+  BundleProblem(bundle, huber_px).Solve(function_tolerance);
 }
 
 std::vector<double> ErrorsPx(const Bundle& bundle) {

@@ -7,6 +7,7 @@
 #include <map>
 
 #include "adjustment/anchor_frames.h"
+#include "adjustment/calibration.h"
 #include "adjustment/reprojection.h"
 #include "adjustment/score_clusters.h"
 #include "adjustment/selected_inverse.h"

@@ -85,7 +85,8 @@ SparseModel AdjustFreely(const SparseModel& model, const StereoRig& rig, int min
     if (errors.empty()) break;
     const double noise_px = std::max(options.min_noise_px, Median(errors));
     if (last) DropBeyond(options.outlier_sigmas * noise_px, errors, bundle);
-    if (!bundle.points.empty()) SolveBundle(noise_px, options, bundle);
+    if (bundle.points.empty()) continue;
+    SolveBundle(options.huber_sigmas * noise_px, kFineTolerance, bundle);
   }
   return ModelOf(model, bundle,
                  SoundKeyframes(model, ObservationsPerFrame(bundle), min_observations));

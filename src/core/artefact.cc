@@ -14,17 +14,13 @@
 namespace rigmap {
 namespace {
 
-// Raised whenever a stored type changes its shape, so that old artefacts are made anew.
-constexpr int kFormatVersion = 4;
 constexpr const char* kEndMark = "end.";
 
 std::string Hexadecimal(const XXH128_hash_t& hash) {
   return fmt::format("{:016x}{:016x}", hash.high64, hash.low64);
 }
 
-std::string FirstLine(const std::string& key) {
-  return fmt::format("rigmap artefact {} {}", kFormatVersion, key);
-}
+std::string FirstLine(const std::string& key) { return fmt::format("rigmap artefact {}", key); }
 
 }  // namespace
 
@@ -82,7 +78,11 @@ bool Read(const std::filesystem::path& path, const std::string& key,
 bool HasArtefact(const std::filesystem::path& path, const std::string& key) {
   std::ifstream stream(path, std::ios::binary);
   std::string line;
-  return std::getline(stream, line) && line == FirstLine(key);
+  if (!std::getline(stream, line) || line != FirstLine(key)) return false;
+  std::string end(std::char_traits<char>::length(kEndMark), '\0');
+  stream.seekg(-static_cast<std::streamoff>(end.size()), std::ios::end);
+  stream.read(end.data(), static_cast<std::streamsize>(end.size()));
+  return stream && end == kEndMark;
 }
 
 }  // namespace rigmap

@@ -29,11 +29,12 @@ bool Read(const std::filesystem::path& path, const std::string& key,
           const std::function<void(std::istream&)>& body);
 }  // namespace artefact_detail
 
-// True if `path` holds an artefact made with `key`. Reads the first line only.
+// True if `path` holds a whole artefact made with `key`. Reads its first line and its end only.
 bool HasArtefact(const std::filesystem::path& path, const std::string& key);
 
 // Written to a temporary and renamed: a reader never sees half of it. Values are stored through
-// cereal in this machine's byte order: an artefact is not for exchange.
+// cereal in this machine's byte order: an artefact is not for exchange. The key has to change with
+// the shape of the type.
 template <class Value>
 void WriteArtefact(const std::filesystem::path& path, const std::string& key, const Value& value) {
   artefact_detail::Write(path, key, [&](std::ostream& stream) {

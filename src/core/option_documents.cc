@@ -16,16 +16,17 @@ std::string Wrap(const std::string& text, const std::string& indent) {
   std::string lines, line;
   for (std::string word; words >> word;) {
     if (!line.empty() && indent.size() + line.size() + 1 + word.size() > kColumns) {
-      lines += indent + line + "\n";
+      lines += fmt::format("{}{}\n", indent, line);
       line.clear();
     }
-    line += (line.empty() ? "" : " ") + word;
+    if (!line.empty()) line += ' ';
+    line += word;
   }
-  return line.empty() ? lines : lines + indent + line + "\n";
+  return line.empty() ? lines : fmt::format("{}{}{}\n", lines, indent, line);
 }
 
 std::string UnitAndAllowed(const OptionField& field) {
-  return field.unit.empty() ? AllowedText(field) : field.unit + "; " + AllowedText(field);
+  return field.unit.empty() ? AllowedText(field) : fmt::format("{}; {}", field.unit, AllowedText(field));
 }
 
 // A cell of a table in Markdown.
@@ -43,7 +44,7 @@ std::string Cell(const std::string& text) {
 std::string OptionsYaml(const std::string& preamble, const std::vector<OptionSection>& sections) {
   std::string text = Wrap(preamble, "# ");
   for (const OptionSection& section : sections) {
-    text += "\n" + Wrap(section.about, "# ") + section.name + ":\n";
+    text += fmt::format("\n{}{}:\n", Wrap(section.about, "# "), section.name);
     for (const OptionField& field : section.fields) {
       text += Wrap(fmt::format("({}) {}", UnitAndAllowed(field), field.reason), "  # ");
       text += WriteOptions({field});

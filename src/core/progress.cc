@@ -4,20 +4,18 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cstdio>
+
+#include "core/job.h"
 
 namespace rigmap {
 namespace {
 
-std::atomic<bool> g_quiet = false;
 constexpr auto kBarInterval = std::chrono::milliseconds(100);
 constexpr auto kLineInterval = std::chrono::seconds(5);
 constexpr std::size_t kBarWidth = 30;
 
 }  // namespace
-
-void SetProgressQuiet(bool quiet) { g_quiet = quiet; }
 
 Progress::Progress(std::string label, std::size_t total)
     : label_(std::move(label)),
@@ -40,7 +38,8 @@ void Progress::Set(std::size_t done) {
 }
 
 void Progress::Show(bool final) {
-  if (g_quiet) return;
+  const Job* job = Job::Current();
+  if (job && job->quiet()) return;
   static const bool terminal = isatty(STDERR_FILENO) != 0;
   const auto now = std::chrono::steady_clock::now();
   if (!final && now - shown_ < (terminal ? std::chrono::nanoseconds(kBarInterval)

@@ -1,4 +1,4 @@
-// Progress on stderr: a bar on a terminal, plain lines elsewhere, nothing when quiet.
+// Progress on stderr: a bar on a terminal, plain lines elsewhere, nothing in a quiet job.
 #pragma once
 
 #include <chrono>
@@ -7,9 +7,6 @@
 #include <string>
 
 namespace rigmap {
-
-// Silences every Progress of this process (--quiet).
-void SetProgressQuiet(bool quiet);
 
 // Counts `total` steps of one stage. Advance may be called from several threads.
 class Progress {

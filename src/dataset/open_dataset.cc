@@ -186,14 +186,6 @@ void LogHealth(const Dataset& dataset) {
   for (const auto& remark : health.remarks) spdlog::warn("{}", remark);
 }
 
-std::string DescribeFile(const std::string& path) {
-  std::error_code size_code, time_code;
-  const auto size = fs::file_size(path, size_code);
-  const auto time = fs::last_write_time(path, time_code);
-  if (size_code || time_code) throw DataError(fmt::format("{}: expected a file, found none", path));
-  return fmt::format("{} {} {}\n", path, size, time.time_since_epoch().count());
-}
-
 }  // namespace
 
 Dataset OpenDataset(const DatasetRequest& request) {
@@ -213,30 +205,6 @@ Dataset OpenDataset(const DatasetRequest& request) {
   LogHealth(dataset);
   CheckSizes(dataset);
   return dataset;
-}
-
-std::string DescribeRig(const StereoRig& rig) {
-  std::string text = WriteRigFile(rig);
-  for (const Eye eye : kEyes) {
-    const auto& mask_path = rig.Of(eye).mask_path;
-    if (!mask_path.empty()) text += DescribeFile(mask_path);
-  }
-  return text;
-}
-
-std::string DescribeFrame(const StereoFrame& frame) {
-  return fmt::format("{}\n{}{}", frame.stamp_ns, DescribeFile(frame.left_path),
-                     DescribeFile(frame.right_path));
-}
-
-std::string DescribeInputs(const Dataset& dataset) {
-  std::string text = fmt::format("{}\n{}", Name(dataset.format), DescribeRig(dataset.rig));
-  for (const auto& frame : dataset.frames) text += DescribeFrame(frame);
-  for (const auto& sample : dataset.inclinometer) {
-    const auto& up = sample.acceleration_in_imu;
-    text += fmt::format("{} {} {} {}\n", sample.stamp_ns, up.x(), up.y(), up.z());
-  }
-  return text;
 }
 
 }  // namespace rigmap

@@ -27,12 +27,4 @@ struct DatasetRequest {
 // not of the rig's size.
 Dataset OpenDataset(const DatasetRequest& request);
 
-// Text for artefact keys: changes whenever the rig, the stamps, the inclinometer or the path, size
-// or modification time of an image or mask changes. The truth is left out: no stage before
-// evaluation may depend on it. Throws DataError when a file is gone.
-std::string DescribeInputs(const Dataset& dataset);
-// The share of that text that the rig and one frame have in it.
-std::string DescribeRig(const StereoRig& rig);
-std::string DescribeFrame(const StereoFrame& frame);
-
 }  // namespace rigmap

@@ -18,9 +18,6 @@ OptionFields FeatureOptions::Fields() {
        "The contrast threshold where an image has fewer than max_keypoints with the first. Half a "
        "grey level, below which there is only rounding. Dull flat sand then gives six times as "
        "many."},
-      {"edge_threshold", &edge_threshold, "", MoreThan(1.0),
-       "SIFT's threshold on edges: the ratio of curvatures beyond which a keypoint lies on an edge "
-       "and slides along it. SIFT's own value."},
       {"min_depth_baselines", &min_depth_baselines, "baselines", AtLeast(1.0),
        "Nearest depth that is searched for stereo partners. At 5 the two views of a patch differ "
        "by 11 degrees."},

@@ -13,7 +13,6 @@ struct FeatureOptions {
   double half_resolution_above_mpx = 0.6;
   double contrast_threshold = 0.008;
   double faint_contrast_threshold = 0.002;
-  double edge_threshold = 10.0;
   double min_depth_baselines = 5.0;
   double epipolar_band_px = 4.0;
   double min_correlation = 0.8;

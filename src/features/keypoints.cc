@@ -77,12 +77,14 @@ void RemoveMasked(std::vector<cv::KeyPoint>& keypoints, const cv::Mat& mask, int
   });
 }
 
-cv::Ptr<cv::SIFT> MakeSift(double contrast_threshold, const FeatureOptions& options) {
+cv::Ptr<cv::SIFT> MakeSift(double contrast_threshold) {
   constexpr int kOctaveLayers = 3;
+  // Ratio of curvatures beyond which a keypoint slides along an edge (Lowe 2004, sec. 4.1).
+  constexpr double kEdgeThreshold = 10.0;
   constexpr double kSigma = 1.6;
   // OpenCV divides the threshold by the number of layers.
-  return cv::SIFT::create(0, kOctaveLayers, contrast_threshold * kOctaveLayers,
-                          options.edge_threshold, kSigma);
+  return cv::SIFT::create(0, kOctaveLayers, contrast_threshold * kOctaveLayers, kEdgeThreshold,
+                          kSigma);
 }
 
 std::vector<cv::KeyPoint> Detect(const cv::Mat& image, const cv::Mat& mask, int reduction,
@@ -104,11 +106,11 @@ Keypoints DetectKeypoints(const cv::Mat& grey, const cv::Mat& mask, const Featur
   const int reduction = SearchReduction(grey.size(), options);
   cv::Mat image = grey;
   if (reduction == 2) cv::resize(grey, image, cv::Size(), 0.5, 0.5, cv::INTER_AREA);
-  auto sift = MakeSift(options.contrast_threshold, options);
+  auto sift = MakeSift(options.contrast_threshold);
   std::vector<cv::KeyPoint> found = Detect(image, mask, reduction, *sift);
   if (static_cast<int>(found.size()) < options.max_keypoints &&
       options.faint_contrast_threshold < options.contrast_threshold) {
-    sift = MakeSift(options.faint_contrast_threshold, options);
+    sift = MakeSift(options.faint_contrast_threshold);
     found = Detect(image, mask, reduction, *sift);
   }
   std::vector<cv::KeyPoint> kept;

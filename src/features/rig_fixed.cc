@@ -118,8 +118,7 @@ RigFixedCells RigFixedVotes::Decide() const {
   return cells;
 }
 
-RigFixedCells FindRigFixed(int frame_count, const std::function<FrameFeatures(int frame)>& features,
-                           const Camera& left) {
+RigFixedCells FindRigFixed(int frame_count, const FeatureSource& features, const Camera& left) {
   constexpr std::size_t kFurthest = 3;
   RigFixedVotes votes(left.width, left.height);
   std::deque<FrameFeatures> last;

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <opencv2/core.hpp>
 #include <vector>
 
@@ -53,7 +52,6 @@ class RigFixedVotes {
 
 // The cells of a drive: every frame is compared with the next and, in case the rover crawls, with
 // the third after it. Holds four frames at a time.
-RigFixedCells FindRigFixed(int frame_count, const std::function<FrameFeatures(int frame)>& features,
-                           const Camera& left);
+RigFixedCells FindRigFixed(int frame_count, const FeatureSource& features, const Camera& left);
 
 }  // namespace rigmap

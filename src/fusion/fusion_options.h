@@ -2,19 +2,11 @@
 #pragma once
 
 #include "core/options.h"
+#include "scene/voxel_options.h"
 
 namespace rigmap {
 
 // What each option does and why it has its default: the declarations in fusion_options.cc.
-
-// The grid of the map: read by every stage that asks how fine the map is.
-struct VoxelOptions {
-  static constexpr const char* kSection = "fusion";
-
-  double voxel_m = 0.01;
-
-  OptionFields Fields();
-};
 
 struct FusionOptions {
   static constexpr const char* kSection = "fusion";

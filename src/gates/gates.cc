@@ -118,6 +118,16 @@ void JudgeMotion(const GateInputs& inputs, const AdjustmentGateOptions& options,
             gates);
 }
 
+std::optional<MappedShape> ShapeOf(const PlacedKeyframes* placed) {
+  if (!placed) return std::nullopt;
+  std::vector<BaselineScale> scales;
+  for (const PlacedModel& model : placed->models) scales.push_back(model.scale);
+  const auto& poses = placed->world_from_left;
+  const auto posed =
+      std::ranges::count_if(poses, [](const auto& pose) { return pose.has_value(); });
+  return ShapeOf(scales, static_cast<std::size_t>(posed), poses.size());
+}
+
 }  // namespace
 
 Gate AtMost(std::string name, std::optional<double> value, double limit, std::string why) {
@@ -130,22 +140,26 @@ void AddEither(Gate a, Gate b, Gates& gates) {
   gates.push_back(std::move(b));
 }
 
-Gates JudgeMapping(const PlacedKeyframes* placed, const MappingGateOptions& options) {
-  Gates gates;
-  std::optional<double> spread, rejected, registered;
-  if (placed) {
-    std::size_t used = 0, off = 0;
-    for (const PlacedModel& model : placed->models) {
-      spread = std::max(spread.value_or(0.0), model.scale.relative_spread);
-      used += model.scale.pairs_used.size();
-      off += model.scale.pairs_rejected.size();
-    }
-    rejected = static_cast<double>(off) / std::max<double>(1.0, static_cast<double>(used + off));
-    const auto& poses = placed->world_from_left;
-    const auto posed = std::count_if(poses.begin(), poses.end(),
-                                     [](const auto& pose) { return pose.has_value(); });
-    registered = static_cast<double>(posed) / static_cast<double>(poses.size());
+MappedShape ShapeOf(std::span<const BaselineScale> scales, std::size_t posed,
+                    std::size_t keyframes) {
+  MappedShape shape;
+  std::size_t used = 0, off = 0;
+  for (const BaselineScale& scale : scales) {
+    shape.baseline_spread = std::max(shape.baseline_spread.value_or(0.0), scale.relative_spread);
+    used += scale.pairs_used.size();
+    off += scale.pairs_rejected.size();
   }
+  shape.baseline_rejected =
+      static_cast<double>(off) / std::max<double>(1.0, static_cast<double>(used + off));
+  shape.registered = static_cast<double>(posed) / static_cast<double>(keyframes);
+  return shape;
+}
+
+Gates JudgeMapping(const std::optional<MappedShape>& shape, const MappingGateOptions& options) {
+  const auto spread = shape ? shape->baseline_spread : std::nullopt;
+  const auto rejected = shape ? std::optional(shape->baseline_rejected) : std::nullopt;
+  const auto registered = shape ? std::optional(shape->registered) : std::nullopt;
+  Gates gates;
   gates.push_back(AtMost("baseline_spread", spread, options.baseline_spread,
                          "spread of the mapped left-right distances: the shape of the map"));
   gates.push_back(AtMost("baseline_rejected", rejected, options.baseline_rejected,
@@ -182,7 +196,7 @@ Gates JudgePoses(const GateInputs& inputs, const PoseGateOptions& options) {
 }
 
 Gates JudgePart(const GateInputs& inputs, const GateOptions& options) {
-  Gates gates = JudgeMapping(inputs.placed, options.mapping);
+  Gates gates = JudgeMapping(ShapeOf(inputs.placed), options.mapping);
   for (const Gates& more :
        {JudgePoses(inputs, options.poses), JudgeAdjustment(inputs, options.adjustment),
         JudgeCalibration(inputs, options.calibration)}) {

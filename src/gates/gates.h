@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "gates/gate_options.h"
@@ -25,7 +26,15 @@ struct GateInputs {
 };
 
 // The gates on what COLMAP made: baseline_spread, baseline_rejected, registered.
-Gates JudgeMapping(const PlacedKeyframes* placed, const MappingGateOptions& options);
+struct MappedShape {
+  std::optional<double> baseline_spread;  // of the model with the largest; nothing without any
+  double baseline_rejected = 0.0;         // share of all pairs
+  double registered = 0.0;                // share of keyframes
+};
+// Of models with these scales, which pose so many of all keyframes.
+MappedShape ShapeOf(std::span<const BaselineScale> scales, std::size_t posed,
+                    std::size_t keyframes);
+Gates JudgeMapping(const std::optional<MappedShape>& shape, const MappingGateOptions& options);
 bool AllPassed(const Gates& gates);
 
 // A gate that passes while its value is at most the limit.

@@ -4,7 +4,7 @@
 
 namespace rigmap {
 
-FrameWindow::FrameWindow(MatchingFeatures features, const StereoRig& rig, double disparity_noise_px,
+FrameWindow::FrameWindow(FeatureSource features, const StereoRig& rig, double disparity_noise_px,
                          std::size_t held_frames)
     : features_(std::move(features)),
       rig_(rig),

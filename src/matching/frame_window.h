@@ -2,7 +2,6 @@
 #pragma once
 
 #include <deque>
-#include <functional>
 #include <map>
 #include <optional>
 #include <vector>
@@ -11,9 +10,6 @@
 #include "matching/anchors.h"
 
 namespace rigmap {
-
-// Gives frame i's features.
-using MatchingFeatures = std::function<FrameFeatures(int frame)>;
 
 struct MatchedFrame {
   AnchoredFrame anchored;
@@ -25,7 +21,7 @@ struct MatchedFrame {
 class FrameWindow {
  public:
   // At least two frames are held.
-  FrameWindow(MatchingFeatures features, const StereoRig& rig, double disparity_noise_px,
+  FrameWindow(FeatureSource features, const StereoRig& rig, double disparity_noise_px,
               std::size_t held_frames);
 
   // Stays valid until `held_frames` other frames have been asked for.
@@ -42,7 +38,7 @@ class FrameWindow {
   MatchedFrame Load(int frame) const;
   void LetGo(int frame);
 
-  MatchingFeatures features_;
+  FeatureSource features_;
   const StereoRig& rig_;
   double disparity_noise_px_;
   std::size_t held_frames_;

@@ -36,7 +36,7 @@ double Growth(const StereoPoint& in_a, const Rigid3& b_from_a) {
 
 class FrameMatcher {
  public:
-  FrameMatcher(const Odometry& odometry, const MatchingFeatures& features, const StereoRig& rig,
+  FrameMatcher(const Odometry& odometry, const FeatureSource& features, const StereoRig& rig,
                const MatchingOptions& options)
       : odometry_(odometry),
         rig_(rig),
@@ -146,7 +146,7 @@ std::vector<int> FirstOfSameStretch(const Odometry& odometry,
 
 }  // namespace
 
-Correspondences MatchFrames(const Odometry& odometry, const MatchingFeatures& features,
+Correspondences MatchFrames(const Odometry& odometry, const FeatureSource& features,
                             const StereoRig& rig, const MatchingOptions& options) {
   std::vector<std::vector<Eigen::Vector3d>> sample_points(odometry.size());
   for (std::size_t i = 0; i < odometry.size(); ++i) {

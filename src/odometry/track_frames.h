@@ -1,8 +1,6 @@
 // The stage `odometry`: consecutive stereo frames become metric motion.
 #pragma once
 
-#include <functional>
-
 #include "odometry/odometry_options.h"
 #include "scene/features.h"
 #include "scene/odometry.h"
@@ -10,16 +8,13 @@
 
 namespace rigmap {
 
-// Gives frame i's features; called a few times per frame.
-using FeatureSource = std::function<FrameFeatures(int frame)>;
-
 // Poses `frame_count` frames one after the other: each is matched with the last keyframe near where
 // the motion so far predicts its points, else everywhere; where that fails the frame before becomes
 // a keyframe and is tried; where that fails too the motion is carried on (source predicted) and
 // tracking starts anew, but the keyframe that was lost is tried until something is found. Predicted
 // frames between two posed ones are put between them. It begins with the first frame that shows
 // enough to pose others against: those before it are posed against it, else predicted backwards in
-// time. Holds three frames' features at a time.
+// time. Holds three frames' features at a time and asks for each a few times.
 Odometry TrackFrames(int frame_count, const FeatureSource& features, const StereoRig& rig,
                      const OdometryOptions& options);
 

@@ -79,9 +79,14 @@ std::vector<std::uint8_t> Colours(const SurfaceGrid& grid) {
   return rgba;
 }
 
+std::mutex& SessionMutex() {
+  static std::mutex mutex;
+  return mutex;
+}
+
 }  // namespace
 
-GdalSession::GdalSession() : previous_cache_bytes_(GDALGetCacheMax64()) {
+GdalSession::GdalSession() : alone_(SessionMutex()), previous_cache_bytes_(GDALGetCacheMax64()) {
   GDALAllRegister();
   CPLPushErrorHandler(CPLQuietErrorHandler);
   CPLSetThreadLocalConfigOption("GDAL_PAM_ENABLED", "NO");

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <mutex>
 #include <string>
 
 #include "raster/cell_frame.h"
@@ -23,7 +24,7 @@ struct Georeference {
 };
 
 // While it lives: GDAL is silent, caches at most 64 MB of pixels, and writes no .aux.xml. Its cache
-// is the process's, its silence the thread's.
+// is the process's, its silence the thread's: a second session waits until the first has ended.
 class GdalSession {
  public:
   GdalSession();
@@ -32,6 +33,7 @@ class GdalSession {
   GdalSession& operator=(const GdalSession&) = delete;
 
  private:
+  std::unique_lock<std::mutex> alone_;
   std::int64_t previous_cache_bytes_;
 };
 

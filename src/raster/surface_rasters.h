@@ -17,7 +17,7 @@ namespace rigmap {
 // the folder needs room for the uncompressed map and half the cloud in passing, in a subfolder
 // whose name IsTemporaryName knows. Throws DataError naming the file for a cloud that cannot be
 // read, has no point or spreads too far (FrameOf), and where writing fails; old files are then left
-// as they were. Throws UsageError. One call at a time in a process.
+// as they were. Throws UsageError. A second call in the process waits for the first.
 void WriteSurfaceRasters(const GriddedCloud& cloud, const std::filesystem::path& folder,
                          const RasterOptions& options, const Georeference& georeference = {});
 

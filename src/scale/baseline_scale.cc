@@ -84,14 +84,31 @@ std::optional<BaselineScale> MeasureBaseline(const SparseModel& model, double ba
   return result;
 }
 
-PlacedKeyframes PlaceModels(const std::vector<SparseModel>& models,
-                            const std::vector<Rigid3>& odometric, const StereoRig& rig,
-                            const ScaleOptions& options) {
+ModelScales MeasureBaselines(const std::vector<SparseModel>& models, double baseline_m,
+                             const ScaleOptions& options) {
+  ModelScales scales;
+  for (const SparseModel& model : models) {
+    scales.push_back(MeasureBaseline(model, baseline_m, options));
+  }
+  return scales;
+}
+
+std::size_t CountPosed(const std::vector<SparseModel>& models, const ModelScales& scales) {
+  std::set<int> posed;
+  for (std::size_t m = 0; m < models.size(); ++m) {
+    if (!scales[m]) continue;
+    for (const auto& [keyframe, pose] : LeftPoses(models[m])) posed.insert(keyframe);
+  }
+  return posed.size();
+}
+
+PlacedKeyframes PlaceModels(const std::vector<SparseModel>& models, const ModelScales& scales,
+                            const std::vector<Rigid3>& odometric) {
   PlacedKeyframes placed;
   placed.world_from_left.resize(odometric.size());
   std::set<int> sound;  // keyframes placed whose baseline agrees: others do not carry a model
   for (std::size_t m = 0; m < models.size(); ++m) {
-    const auto scale = MeasureBaseline(models[m], rig.Baseline(), options);
+    const auto& scale = scales[m];
     if (!scale) continue;
     const std::map<int, Rigid3> poses = LeftPoses(models[m]);
     const Hook hook = NearestHook(scale->pairs_used, sound);

@@ -6,23 +6,29 @@
 
 #include "scale/scale_options.h"
 #include "scene/placed_keyframes.h"
-#include "scene/rig.h"
 #include "scene/sparse_model.h"
 
 namespace rigmap {
 
-// From every keyframe that has both eyes in the model. Nothing if
-// there is none. Does not depend on the model's gauge, and scales inversely with it.
+// From every keyframe that has both eyes in the model. Nothing if there is none. Does not depend on
+// the model's gauge, and scales inversely with it.
 std::optional<BaselineScale> MeasureBaseline(const SparseModel& model, double baseline_m,
                                              const ScaleOptions& options);
 
-// Scales each model by its own baseline and joins them: the first is laid on the odometric pose of
-// its earliest keyframe, each further one hangs on the nearest keyframe already placed, by the
-// odometry between the two. Only keyframes whose pair was used carry a model. A model without a
-// stereo pair is left out. `odometric` holds world_from_left per keyframe. Where models share a
-// keyframe the earlier model's pose stays.
-PlacedKeyframes PlaceModels(const std::vector<SparseModel>& models,
-                            const std::vector<Rigid3>& odometric, const StereoRig& rig,
-                            const ScaleOptions& options);
+// Of each model; nothing for one without a stereo pair.
+using ModelScales = std::vector<std::optional<BaselineScale>>;
+ModelScales MeasureBaselines(const std::vector<SparseModel>& models, double baseline_m,
+                             const ScaleOptions& options);
+
+// Keyframes that models with a scale pose, each counted once.
+std::size_t CountPosed(const std::vector<SparseModel>& models, const ModelScales& scales);
+
+// Scales each model and joins them: the first is laid on the odometric pose of its earliest
+// keyframe, each further one hangs on the nearest keyframe already placed, by the odometry between
+// the two. Only keyframes whose pair was used carry a model. A model without a scale is left out.
+// `odometric` holds world_from_left per keyframe. Where models share a keyframe the earlier model's
+// pose stays.
+PlacedKeyframes PlaceModels(const std::vector<SparseModel>& models, const ModelScales& scales,
+                            const std::vector<Rigid3>& odometric);
 
 }  // namespace rigmap

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -53,5 +54,8 @@ struct FrameFeatures {
             unreadable_images);
   }
 };
+
+// Gives frame i's features. What is behind it may keep some frames for the next call.
+using FeatureSource = std::function<FrameFeatures(int frame)>;
 
 }  // namespace rigmap

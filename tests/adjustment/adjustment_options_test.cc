@@ -37,8 +37,6 @@ TEST(AdjustmentOptions, EveryFieldIsReadByItsName) {
   EXPECT_EQ(options.shared_noise, 7.0);
   EXPECT_EQ(options.max_depth_baselines, 7.0);
   EXPECT_EQ(options.rounds, 7);
-  EXPECT_EQ(options.max_iterations, 7);
-  EXPECT_EQ(options.function_tolerance, 7.0);
 }
 
 }  // namespace

@@ -11,6 +11,8 @@
 namespace rigmap {
 namespace {
 
+constexpr double kHuberSigmas = 2.0, kFunctionTolerance = 1e-10;
+
 using testing::Each;
 using testing::Lt;
 
@@ -38,7 +40,7 @@ TEST_F(BundleTest, GoesBackToTheTruthFromCentimetresOff) {
     bundle.left_from_world[i] = random_.Motion(0.02, 0.2 * kDegree) * *bundle.left_from_world[i];
   }
   for (AdjustedPoint& point : bundle.points) point.x += random_.Vector(0.01);
-  SolveBundle(0.2, {}, bundle);
+  SolveBundle(kHuberSigmas * 0.2, kFunctionTolerance, bundle);
   EXPECT_THAT(ErrorsPx(bundle), Each(Lt(1e-3)));
   for (std::size_t i = 0; i < bundle.left_from_world.size(); ++i) {
     const Vector6d error = ErrorOf(bundle.left_from_world[i]->Inverse(), rover_.world_from_left[i]);
@@ -50,7 +52,7 @@ TEST_F(BundleTest, GoesBackToTheTruthFromCentimetresOff) {
 TEST_F(BundleTest, HoldsFirstFrameAndRig) {
   Bundle bundle = TrueBundle(0.3);
   const Bundle before = bundle;
-  SolveBundle(0.3, {}, bundle);
+  SolveBundle(kHuberSigmas * 0.3, kFunctionTolerance, bundle);
   EXPECT_EQ(bundle.left_from_world[0]->translation, before.left_from_world[0]->translation);
   EXPECT_EQ(bundle.left_from_world[0]->rotation.coeffs(),
             before.left_from_world[0]->rotation.coeffs());
@@ -65,9 +67,7 @@ TEST_F(BundleTest, NeverLeavesLargerErrorsThanItFound) {
     return std::inner_product(errors_px.begin(), errors_px.end(), errors_px.begin(), 0.0);
   };
   const double before = sum_of_squares(ErrorsPx(bundle));
-  AdjustmentOptions options;
-  options.huber_sigmas = 1e6;
-  SolveBundle(0.3, options, bundle);
+  SolveBundle(1e6, kFunctionTolerance, bundle);
   EXPECT_LT(sum_of_squares(ErrorsPx(bundle)), before);
 }
 
@@ -78,7 +78,7 @@ TEST_F(BundleTest, LeavesFramesWithoutAPoseWithoutOne) {
     std::erase_if(point.observations, [](const PointObservation& o) { return o.frame == 2; });
   }
   std::erase_if(bundle.points, [](const AdjustedPoint& point) { return !SpansFrames(point); });
-  SolveBundle(0.2, {}, bundle);
+  SolveBundle(kHuberSigmas * 0.2, kFunctionTolerance, bundle);
   EXPECT_FALSE(bundle.left_from_world[2]);
   EXPECT_EQ(ObservationsPerFrame(bundle)[2], 0);
 }

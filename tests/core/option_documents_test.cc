@@ -10,8 +10,8 @@ namespace {
 
 using testing::HasSubstr;
 
-enum class Colour { kRed, kBlue };
-constexpr auto NamesOf(Colour) { return std::array{"red", "blue"}; }
+enum class Tint { kRed, kBlue };
+constexpr auto NamesOf(Tint) { return std::array{"red", "blue"}; }
 
 class OptionDocuments : public testing::Test {
  protected:
@@ -24,7 +24,7 @@ class OptionDocuments : public testing::Test {
   }
 
   double side_m_ = 0.25;
-  Colour colour_ = Colour::kBlue;
+  Tint colour_ = Tint::kBlue;
   bool on_ = true;
   std::string long_ =
       "it is so: word word word word word word word word word word word word word word.";
@@ -52,11 +52,11 @@ TEST_F(OptionDocuments, YamlExplainsEachOptionAboveIt) {
 TEST_F(OptionDocuments, YamlReadsBackToTheSameValues) {
   const std::string text = OptionsYaml("On top.", Sections());
   side_m_ = 1.0;
-  colour_ = Colour::kRed;
+  colour_ = Tint::kRed;
   const YamlNode file = ParseYaml(text, "f");
   ReadOptions(file.At("first"), Sections()[0].fields);
   EXPECT_EQ(side_m_, 0.25);
-  EXPECT_EQ(colour_, Colour::kBlue);
+  EXPECT_EQ(colour_, Tint::kBlue);
 }
 
 TEST_F(OptionDocuments, MarkdownHasARowForEachOption) {

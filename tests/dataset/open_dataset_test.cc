@@ -4,8 +4,10 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
+#include <fstream>
 
 #include "core/error.h"
+#include "dataset/dataset_content.h"
 #include "tests/dataset/sample_data.h"
 #include "tests/support/message_of.h"
 #include "tests/support/temporary_folder.h"
@@ -57,10 +59,14 @@ TEST_F(OpenKatwijkTest, RigThreeFoldersAboveThePartDoesNotApply) {
 
 TEST_F(OpenKatwijkTest, RootTraverseAndPartGiveTheSameFrames) {
   folder_.Write("root/rig.yaml", SampleRigText());
-  const auto inputs = DescribeInputs(Open(part_));
-  EXPECT_EQ(DescribeInputs(Open(root_)), inputs);
-  EXPECT_EQ(DescribeInputs(Open(root_ / "Traverse3")), inputs);
-  EXPECT_EQ(DescribeInputs(Open(root_ / "Traverse3" / "." / "Part1" / "")), inputs);
+  FileHashes hashes;
+  const auto key = [&](const std::filesystem::path& folder) {
+    return HashContent(Open(folder), hashes).Key();
+  };
+  const std::string expected = key(part_);
+  EXPECT_EQ(key(root_), expected);
+  EXPECT_EQ(key(root_ / "Traverse3"), expected);
+  EXPECT_EQ(key(root_ / "Traverse3" / "." / "Part1" / ""), expected);
 }
 
 TEST_F(OpenKatwijkTest, InclinometerComesWithTheFrames) {
@@ -176,26 +182,32 @@ TEST_F(OpenStereoTest, HasNoTraverse) {
   EXPECT_THROW(OpenDataset({.folder = folder_.Path(), .part = 1}), UsageError);
 }
 
-TEST_F(OpenStereoTest, DescriptionChangesWithEveryInputThatMatters) {
-  const std::string before = DescribeInputs(Open());
-  EXPECT_EQ(DescribeInputs(Open()), before);
-
-  folder_.Write("calib.yaml", Replaced(SampleRigText(), "fx: 30.5", "fx: 30.500001"));
-  const std::string with_rig = DescribeInputs(Open());
-  EXPECT_NE(with_rig, before);
-
-  folder_.Write("times.txt", "1\n2.000000001\n");
-  const std::string with_time = DescribeInputs(Open());
-  EXPECT_NE(with_time, with_rig);
-
+TEST_F(OpenStereoTest, KeyChangesWithEveryInputThatMattersAndNoOther) {
+  const auto key = [&](const DatasetRequest& request) {
+    FileHashes hashes;
+    return HashContent(OpenDataset(request), hashes).Key();
+  };
+  const DatasetRequest request{.folder = folder_.Path()};
+  const std::string before = key(request);
   const auto image = folder_.Path() / "right" / "1.png";
   std::filesystem::last_write_time(
       image, std::filesystem::last_write_time(image) + std::chrono::milliseconds(5));
-  const std::string with_image = DescribeInputs(Open());
-  EXPECT_NE(with_image, with_time);
+  EXPECT_EQ(key(request), before);
+  const TemporaryFolder elsewhere;
+  std::filesystem::copy(
+      folder_.Path(), elsewhere.Path(),
+      std::filesystem::copy_options::recursive | std::filesystem::copy_options::overwrite_existing);
+  EXPECT_EQ(key({.folder = elsewhere.Path()}), before);
 
-  EXPECT_NE(DescribeInputs(OpenDataset({.folder = folder_.Path(), .frames = {{0, 1}}})),
-            with_image);
+  folder_.Write("calib.yaml", Replaced(SampleRigText(), "fx: 30.5", "fx: 30.500001"));
+  const std::string with_rig = key(request);
+  EXPECT_NE(with_rig, before);
+  folder_.Write("times.txt", "1\n2.000000001\n");
+  const std::string with_time = key(request);
+  EXPECT_NE(with_time, with_rig);
+  std::ofstream(image, std::ios::app) << '\0';
+  EXPECT_NE(key(request), with_time);
+  EXPECT_NE(key({.folder = folder_.Path(), .frames = {{0, 1}}}), key(request));
 }
 
 TEST(SharedDatasetTest, BeachPartsHaveTheirPairsInOrder) {

@@ -14,7 +14,7 @@
 namespace rigmap {
 namespace {
 
-Rigid2 RandomMotion(SeededRandom& random) {
+Rigid2 RandomPlacing(SeededRandom& random) {
   const double angle_rad = random.Uniform(-std::numbers::pi, std::numbers::pi);
   const double east_m = random.Uniform(-50.0, 50.0);
   return {angle_rad, {east_m, random.Uniform(-50.0, 50.0)}};
@@ -38,7 +38,7 @@ TEST(RtkAlignment, FindsMotionAndClockWithinItsSigmas) {
   constexpr int kRuns = 40;
   int rejected = 0;
   for (int run = 0; run < kRuns; ++run) {
-    const Rigid2 truth = RandomMotion(random);
+    const Rigid2 truth = RandomPlacing(random);
     const double offset_s = random.Uniform(-2.0, 2.0);
     const RtkFit fit =
         AlignToRtk(drive.Fixes(truth, offset_s, random), drive.Poses(0.0, random), kAntennaInLeft);
@@ -69,7 +69,7 @@ TEST(RtkAlignment, FindsMotionAndClockWithinItsSigmas) {
 TEST(RtkAlignment, NeedsTheLeverArm) {
   SeededRandom random;
   const RoverDrive drive(SCurve(), 60.0);
-  const auto fixes = drive.Fixes(RandomMotion(random), 0.0, random);
+  const auto fixes = drive.Fixes(RandomPlacing(random), 0.0, random);
   const auto poses = drive.Poses(0.0, random);
   RtkAlignmentOptions options;
   options.max_place_sigma_m = 1.0;
@@ -87,7 +87,7 @@ TEST(RtkAlignment, HoldsTheClockOnLinesAndCirclesAtConstantSpeed) {
   for (const Steering& steering : {Straight(), Circle()}) {
     const RoverDrive drive(steering, 60.0);
     for (const double sigma_m : {0.0, 0.002, 0.01}) {
-      const Rigid2 truth = RandomMotion(random);
+      const Rigid2 truth = RandomPlacing(random);
       const RtkFit fit =
           AlignToRtk(drive.Fixes(truth, 0.4, random), drive.Poses(sigma_m, random), kAntennaInLeft);
       ASSERT_TRUE(fit.alignment) << fit.why;
@@ -107,7 +107,7 @@ TEST(RtkAlignment, StopsTellTheClockOnALine) {
   SeededRandom random;
   const RoverDrive drive(StraightAndStop(), 60.0);
   for (int run = 0; run < 5; ++run) {
-    const RtkFit fit = AlignToRtk(drive.Fixes(RandomMotion(random), -0.7, random),
+    const RtkFit fit = AlignToRtk(drive.Fixes(RandomPlacing(random), -0.7, random),
                                   drive.Poses(0.002, random), kAntennaInLeft);
     ASSERT_TRUE(fit.alignment) << fit.why;
     ASSERT_TRUE(fit.alignment->clock_offset_sigma_s) << fit.why;
@@ -119,7 +119,7 @@ TEST(RtkAlignment, LeavesOutOutliersAndOtherStatuses) {
   SeededRandom random;
   const RoverDrive drive(SCurve(), 60.0);
   for (int run = 0; run < 10; ++run) {
-    const Rigid2 truth = RandomMotion(random);
+    const Rigid2 truth = RandomPlacing(random);
     auto fixes = drive.Fixes(truth, 0.4, random);
     const auto poses = drive.Poses(0.0, random);
     const RtkFit clean = AlignToRtk(fixes, poses, kAntennaInLeft);
@@ -154,7 +154,7 @@ TEST(RtkAlignment, IsNotCarriedAwayByAFixElsewhere) {
 TEST(RtkAlignment, OrderAndAWholeDayChangeNothing) {
   SeededRandom random;
   const RoverDrive drive(SCurve(), 60.0);
-  auto fixes = drive.Fixes(RandomMotion(random), 0.4, random);
+  auto fixes = drive.Fixes(RandomPlacing(random), 0.4, random);
   auto poses = drive.Poses(0.002, random);
   const RtkFit before = AlignToRtk(fixes, poses, kAntennaInLeft);
   constexpr StampNs kDayNs = 86'400'000'000'000;
@@ -234,7 +234,7 @@ TEST(AntennaPath, PassesThePosesAndEndsWithThem) {
 TEST(PlaneFit, InverseUndoesAndOutliersHardlyMatter) {
   SeededRandom random;
   for (int run = 0; run < 20; ++run) {
-    const Rigid2 truth = RandomMotion(random);
+    const Rigid2 truth = RandomPlacing(random);
     const Eigen::Vector2d place = random.Vector(10.0).head<2>();
     EXPECT_LT((truth.Inverse() * (truth * place) - place).norm(), 1e-12);
     std::vector<PlanePair> pairs;

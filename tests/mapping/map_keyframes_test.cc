@@ -77,7 +77,9 @@ class MapKeyframesTest : public testing::Test {
   std::vector<Rigid3> Place(const MappingResult& result) const {
     std::vector<Rigid3> placed;
     for (const auto& pose :
-         PlaceModels(result.models, poses_, part_.rover.rig, {}).world_from_left) {
+         PlaceModels(result.models, MeasureBaselines(result.models, part_.rover.rig.Baseline(), {}),
+                     poses_)
+             .world_from_left) {
       placed.push_back(pose.value());
     }
     return placed;

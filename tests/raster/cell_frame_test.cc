@@ -18,7 +18,7 @@ constexpr double kCell_m = 0.05;
 
 CellFrame FrameOfCloud(const PointCloud& cloud) {
   const TemporaryFolder folder;
-  return FrameOf(WriteCloud(folder.Path() / "cloud.ply", cloud), kCell_m);
+  return FrameOf({WriteCloud(folder.Path() / "cloud.ply", cloud), kCell_m});
 }
 
 TEST(CellFrame, HoldsEveryPointAndNoCellMore) {

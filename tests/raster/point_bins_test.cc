@@ -16,18 +16,18 @@
 namespace rigmap {
 namespace {
 
-constexpr int kMargin = 7;
-constexpr int kTile = CellFrame::kTileCells;
+constexpr int kBinMargin = 7;
+constexpr int kBinTile = CellFrame::kTileCells;
 // Three tiles by two, those at the end cut.
-constexpr CellFrame kFrame{
+constexpr CellFrame kBinFrame{
     .cell_m = 0.01, .west = -300, .north = 250, .columns = 1100, .rows = 600};
 
 class PointBinsTest : public testing::Test {
  protected:
   // In the middle of a cell; told apart by the height.
   SurfacePoint PointAt(int column, int row) {
-    return MapPoint((static_cast<double>(kFrame.west) + column + 0.5) * kFrame.cell_m,
-                    (static_cast<double>(kFrame.north) - row + 0.5) * kFrame.cell_m,
+    return MapPoint((static_cast<double>(kBinFrame.west) + column + 0.5) * kBinFrame.cell_m,
+                    (static_cast<double>(kBinFrame.north) - row + 0.5) * kBinFrame.cell_m,
                     static_cast<double>(next_++));
   }
   std::vector<BinnedPoint> Held(int tile_column, int tile_row) {
@@ -39,7 +39,7 @@ class PointBinsTest : public testing::Test {
   }
 
   TemporaryFolder folder_;
-  PointBins bins_{kFrame, kMargin, folder_.Path() / "points"};
+  PointBins bins_{kBinFrame, kBinMargin, folder_.Path() / "points"};
   int next_ = 0;
 };
 
@@ -48,8 +48,8 @@ TEST_F(PointBinsTest, EachTileHoldsItsPointsAndThoseOfItsMargin) {
   SeededRandom random;
   std::vector<std::pair<int, int>> cells;
   for (int i = 0; i < 3000; ++i) {
-    cells.emplace_back(static_cast<int>(random.Uniform(0.0, kFrame.columns)),
-                       static_cast<int>(random.Uniform(0.0, kFrame.rows)));
+    cells.emplace_back(static_cast<int>(random.Uniform(0.0, kBinFrame.columns)),
+                       static_cast<int>(random.Uniform(0.0, kBinFrame.rows)));
     bins_.Add(PointAt(cells.back().first, cells.back().second));
     if (i % 1000 == 0) bins_.Flush();
   }
@@ -59,9 +59,9 @@ TEST_F(PointBinsTest, EachTileHoldsItsPointsAndThoseOfItsMargin) {
       const auto held = Held(tile_column, tile_row);
       std::size_t next = 0;
       for (std::size_t i = 0; i < cells.size(); ++i) {
-        const int column = cells[i].first - tile_column * kTile + kMargin,
-                  row = cells[i].second - tile_row * kTile + kMargin;
-        const int side = kTile + 2 * kMargin;
+        const int column = cells[i].first - tile_column * kBinTile + kBinMargin,
+                  row = cells[i].second - tile_row * kBinTile + kBinMargin;
+        const int side = kBinTile + 2 * kBinMargin;
         if (column < 0 || column >= side || row < 0 || row >= side) continue;
         ASSERT_LT(next, held.size());
         EXPECT_EQ(held[next].height_m, static_cast<float>(i)) << "in the order of Add";
@@ -90,7 +90,7 @@ TEST_F(PointBinsTest, KeepsColourAndObservations) {
 
 TEST_F(PointBinsTest, CornersOfTheFrameAreInside) {
   bins_.Add(PointAt(0, 0));
-  bins_.Add(PointAt(kFrame.columns - 1, kFrame.rows - 1));
+  bins_.Add(PointAt(kBinFrame.columns - 1, kBinFrame.rows - 1));
   bins_.Flush();
   EXPECT_EQ(Held(0, 0).size(), 1U);
   EXPECT_EQ(Held(2, 1).size(), 1U);
@@ -99,7 +99,7 @@ TEST_F(PointBinsTest, CornersOfTheFrameAreInside) {
 TEST(PointBins, NamesTheFileItCannotWrite) {
   const TemporaryFolder folder;
   const auto path = folder.Path() / "none" / "points";
-  EXPECT_THAT(MessageOf<DataError>([&] { PointBins(kFrame, kMargin, path); }),
+  EXPECT_THAT(MessageOf<DataError>([&] { PointBins(kBinFrame, kBinMargin, path); }),
               testing::HasSubstr(path.string()));
 }
 

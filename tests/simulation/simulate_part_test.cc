@@ -3,7 +3,6 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <tbb/global_control.h>
 
 #include <algorithm>
 #include <map>
@@ -13,7 +12,7 @@
 #include <set>
 
 #include "core/file.h"
-#include "core/progress.h"
+#include "core/job.h"
 #include "dataset/open_dataset.h"
 #include "dataset/rig_file.h"
 #include "export/tum.h"
@@ -52,15 +51,13 @@ std::map<std::string, std::string> BytesIn(const fs::path& folder) {
   return bytes;
 }
 
-void SimulateWithThreads(std::size_t threads, const fs::path& folder) {
-  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
-  SimulatePart(SmallRequest(), folder);
+void SimulateWithThreads(int threads, const fs::path& folder) {
+  Job(threads, true).Run([&] { SimulatePart(SmallRequest(), folder); });
 }
 
 class SimulatedFiles : public testing::Test {
  protected:
   static void SetUpTestSuite() {
-    SetProgressQuiet(true);
     folder_ = new TemporaryFolder;
     SimulateWithThreads(2, folder_->Path() / "two");
   }

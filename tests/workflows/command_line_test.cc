@@ -51,7 +51,8 @@ TEST_F(CommandLine, HelpAndVersionGoToStandardOutput) {
                            "rigmap options", "voxel_m=0.01"}) {
     EXPECT_THAT(help.out, HasSubstr(text));
   }
-  EXPECT_THAT(RunRigmap({"--version"}).out, ContainsRegex("^[0-9]+\\.[0-9]+\\.[0-9]+\n$"));
+  EXPECT_THAT(RunRigmap({"--version"}).out,
+              ContainsRegex("^[0-9]+\\.[0-9]+\\.[0-9]+( \\(.+\\))?\n$"));
 }
 
 TEST_F(CommandLine, OptionsAreThoseOfTheDefaultFile) {
@@ -139,6 +140,8 @@ TEST_F(CommandLine, OutputOverTheInputIsRefusedEvenByForce) {
     EXPECT_THAT(Fails(1, {"part", "--dataset", data, "--out", out, "--force"}),
                 HasSubstr("holds the input"));
   }
+  EXPECT_THAT(Fails(1, {"part", "--dataset", data, "--out", data / "left" / "out"}),
+              HasSubstr("among the images"));
   EXPECT_EQ(FilesIn(folder_.Path()), before);
 }
 
@@ -154,10 +157,25 @@ TEST_F(CommandLine, SaysHowARunEndedUnlessQuiet) {
   std::vector<std::string> part{"part",    "--dataset", SimulatedPartFolder(), "--out", out_,
                                 "--until", "dataset"};
   EXPECT_THAT(RunRigmap(part).err,
-              testing::EndsWith("rigmap: done up to dataset, no gate failed; results in " +
+              testing::EndsWith("rigmap: done up to dataset, no gate checked yet; results in " +
                                 out_.string() + "\n"));
   part.push_back("--quiet");
   EXPECT_THAT(RunRigmap(part).err, testing::IsEmpty());
+}
+
+TEST_F(CommandLine, ForceDoesNotRemoveWhatRigmapDidNotWrite) {
+  fs::create_directories(out_);
+  WriteTestFile(out_ / "thesis.tex", "mine\n");
+  EXPECT_THAT(PartFails(1, {"--force"}), HasSubstr("not empty"));
+  ASSERT_EQ(RunRigmap({"part", "--dataset", SimulatedPartFolder(), "--out", folder_.Path() / "mine",
+                       "--until", "dataset"})
+                .exit_code,
+            0);
+  out_ = folder_.Path() / "mine";
+  WriteTestFile(out_ / "notes.txt", "mine\n");
+  EXPECT_THAT(PartFails(1, {"--force"}), HasSubstr("notes.txt"));
+  EXPECT_EQ(ReadTextFile(out_ / "notes.txt"), "mine\n");
+  EXPECT_TRUE(fs::exists(out_ / "summary.json"));
 }
 
 TEST_F(CommandLine, FolderOnceUsedIsNotTakenForOtherData) {
@@ -166,7 +184,13 @@ TEST_F(CommandLine, FolderOnceUsedIsNotTakenForOtherData) {
           .exit_code,
       0);
   const fs::path data = CopyOfSimulatedPart(folder_.Path());
-  EXPECT_THAT(DatasetFails(data), HasSubstr(SimulatedPartFolder().string()));
+  // The same data at another place are no other data.
+  EXPECT_EQ(RunRigmap({"part", "--dataset", data, "--out", out_, "--until", "dataset"}).exit_code,
+            0);
+  fs::copy_file(data / "left" / "0001.png", data / "left" / "0000.png",
+                fs::copy_options::overwrite_existing);
+  EXPECT_THAT(DatasetFails(data), AllOf(HasSubstr("8 pairs"), HasSubstr("--force")));
+  EXPECT_THAT(PartFails(1, {"--frames", "0:4"}), AllOf(HasSubstr("4 pairs"), HasSubstr("--force")));
   EXPECT_EQ(RunRigmap({"part", "--dataset", data, "--out", out_, "--until", "dataset", "--force"})
                 .exit_code,
             0);

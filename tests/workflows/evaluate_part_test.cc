@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/error.h"
+#include "core/file.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/test_file.h"
 
@@ -79,6 +80,32 @@ TEST_F(EvaluatePartTest, PrintsInnerValuesByNameAndListsAsTables) {
 TEST_F(EvaluatePartTest, ShowsWhatTheRunFoundWhereNoTruthIsGiven) {
   WriteTestFile(out_ / "evaluation.json", "{\n \"frames\": 3,\n \"scale\": 1.5\n}\n");
   EXPECT_EQ(EvaluatePart({out_, {}, true}), "{\"frames\":3,\"scale\":1.5}\n");
+}
+
+// The first lines of a file.
+std::string FirstLines(const fs::path& path, int count) {
+  const std::string text = ReadTextFile(path);
+  std::size_t end = 0;
+  for (int line = 0; line < count; ++line) end = text.find('\n', end) + 1;
+  return text.substr(0, end);
+}
+
+// A run of some frames is judged by the way that it drove.
+TEST_F(EvaluatePartTest, TakesPerCentOfWhatWasDriven) {
+  WriteTestFile(out_ / "trajectory.tum", FirstLines(out_ / "trajectory.tum", 8));
+  const json metrics = json::parse(EvaluatePart({out_, truth_, true}));
+  WriteTestFile(truth_, FirstLines(truth_, 8));
+  EXPECT_EQ(json::parse(EvaluatePart({out_, truth_, true})), metrics);
+  EXPECT_EQ(metrics["coverage"], 1.0);
+  EXPECT_EQ(metrics["gt_frames"], 8);
+}
+
+TEST_F(EvaluatePartTest, RefusesATruthOfAnotherTime) {
+  std::string later;
+  for (int i = 0; i <= 20; ++i) later += std::to_string(1000 + i) + ".0 0 0 0 0 0 0 1\n";
+  WriteTestFile(truth_, later);
+  EXPECT_THAT(ErrorOf({out_, truth_, true}),
+              testing::AllOf(HasSubstr(truth_.string()), HasSubstr("0.02 s")));
 }
 
 TEST_F(EvaluatePartTest, SaysWhatIsMissing) {

@@ -2,36 +2,42 @@
 
 #include <gmock/gmock.h>
 
-#include <nlohmann/json.hpp>
-
-#include "core/file.h"
-#include "tests/support/temporary_folder.h"
+#include "pipeline/code_identity.h"
 
 namespace rigmap {
 namespace {
 
-using nlohmann::json;
 using testing::ElementsAre;
+using testing::StartsWith;
+
+Report GateReport(const char* name, double value, bool passed) {
+  return {{"gates",
+           {{{"name", name},
+             {"value", value},
+             {"limit", 1.0},
+             {"passed", passed},
+             {"why", std::string("too much of ") + name}}}}};
+}
 
 class PartSummaryTest : public testing::Test {
  protected:
   PartSummaryTest() { request_.command = "rigmap part \"quoted\""; }
-  json Written(const PartSummary& summary) {
-    const StageRunner run({layout_, {}, {}, true});
-    result_ = summary.Write(run);
-    return json::parse(ReadTextFile(layout_.root / "summary.json"));
+  void Add(const std::string& stage, Report report, bool listed = true) {
+    ledger_.Put({.name = stage, .listed = listed, .report = std::move(report)});
+  }
+  Report Written(const std::string& failure = "") const {
+    return Report::parse(WriteSummary(ledger_, request_, failure));
   }
 
-  TemporaryFolder folder_;
-  OutputLayout layout_{folder_.Path()};
+  Ledger ledger_;
   PartRequest request_;
-  PartResult result_;
 };
 
 TEST_F(PartSummaryTest, HasAllKeysEvenWhereNothingWasReached) {
-  const json summary = Written(PartSummary(request_));
-  for (const char* key : {"status", "reason", "world_up", "stages", "frames", "scale", "gates",
-                          "versions", "command"}) {
+  const Report summary = Written();
+  for (const char* key :
+       {"status", "reason", "technique", "world_up", "stages", "frames", "revisits", "health",
+        "mapping", "scale", "rig", "gates", "versions", "command"}) {
     EXPECT_TRUE(summary.contains(key)) << key;
   }
   for (const char* key : {"read", "paired", "keyframes", "registered", "posed"}) {
@@ -41,101 +47,79 @@ TEST_F(PartSummaryTest, HasAllKeysEvenWhereNothingWasReached) {
        {"metres_per_model_unit", "relative_spread", "pairs_used", "pairs_rejected"}) {
     EXPECT_TRUE(summary["scale"].contains(key)) << key;
   }
-  EXPECT_EQ(summary["status"], "ok");
-  EXPECT_TRUE(summary["reason"].is_null());
+  EXPECT_EQ(summary["technique"], "rig");
   EXPECT_EQ(summary["command"], request_.command);
-  EXPECT_EQ(summary["versions"]["rigmap"], RIGMAP_VERSION);
+  EXPECT_EQ(summary["versions"]["rigmap"], SourceVersion());
 }
 
-TEST_F(PartSummaryTest, NamesEachUnreadableImageOnce) {
-  PartSummary summary(request_);
-  Dataset dataset;
-  dataset.health.unreadable_images = {"b.png"};
-  summary.SetDataset(dataset);
-  summary.AddUnreadableImages({"a.png", "b.png"});
-  EXPECT_THAT(Written(summary)["health"]["unreadable_images"], ElementsAre("a.png", "b.png"));
+TEST_F(PartSummaryTest, PutsReportsTogether) {
+  Add("dataset",
+      {{"frames", {{"read", 12}, {"paired", 5}}}, {"health", {{"unreadable_images", {"b.png"}}}}});
+  Add("features", {{"health", {{"unreadable_images", {"a.png", "b.png"}}}}});
+  Add("odometry", {{"frames", {{"keyframes", 4}}}});
+  Add("mapping", {{"mapping", {{"method", "seeded"}, {"remarks", {"one"}}}}});
+  Add("adjustment", {{"mapping", {{"remarks", {"two"}}}},
+                     {"rig", {{"refined", true}, {"right_eye_turned_deg", {0.1, 0.2, 0.3}}}},
+                     {"world_up", "imu"}});
+  const Report summary = Written();
+  EXPECT_EQ(summary["frames"], (Report{{"read", 12},
+                                       {"paired", 5},
+                                       {"keyframes", 4},
+                                       {"registered", nullptr},
+                                       {"posed", nullptr}}));
+  EXPECT_THAT(summary["health"]["unreadable_images"], ElementsAre("a.png", "b.png"));
+  EXPECT_EQ(summary["mapping"]["method"], "seeded");
+  EXPECT_THAT(summary["mapping"]["remarks"], ElementsAre("one", "two"));
+  EXPECT_THAT(summary["rig"]["right_eye_turned_deg"], ElementsAre(0.1, 0.2, 0.3));
+  EXPECT_TRUE(summary["rig"]["focal_changed_pct"].is_null());
+  EXPECT_EQ(summary["world_up"], "imu");
+}
+
+TEST_F(PartSummaryTest, ListsStagesButNotChecks) {
+  Add("odometry", Report::object());
+  Add("gates", GateReport("a", 0.5, true), false);
+  const Report summary = Written();
+  ASSERT_EQ(summary["stages"].size(), 1U);
+  EXPECT_EQ(summary["stages"][0]["name"], "odometry");
+  for (const char* key : {"seconds", "peak_rss_mb", "reused"}) {
+    EXPECT_TRUE(summary["stages"][0].contains(key)) << key;
+  }
 }
 
 // Paths and other programs' output may hold any bytes.
 TEST_F(PartSummaryTest, IsJsonWhateverTheReasonHolds) {
-  PartSummary summary(request_);
-  summary.Fail("colmap said \xff\x01");
-  EXPECT_THAT(Written(summary)["reason"].get<std::string>(), testing::StartsWith("colmap said"));
+  EXPECT_THAT(Written("colmap said \xff\x01")["reason"].get<std::string>(),
+              StartsWith("colmap said"));
 }
 
-TEST_F(PartSummaryTest, CountsFramesAndWhatWasPassedOver) {
-  PartSummary summary(request_);
-  Dataset dataset;
-  dataset.frames.resize(5);
-  dataset.health.images_read = 12;
-  dataset.health.lone_images = {"a.png", "b.png"};
-  summary.SetDataset(dataset);
-  summary.SetKeyframes(4);
-  PlacedKeyframes placed;
-  placed.world_from_left = {Rigid3(), std::nullopt, Rigid3(), Rigid3()};
-  placed.models.resize(2);
-  placed.models[0].scale = {0.5, 0.001, {0, 2}, {}};
-  placed.models[1].scale = {0.7, 0.003, {3}, {1}};
-  summary.SetScale(placed);
-  summary.SetTrajectory(Trajectory(5), WorldUp::kImu);
-  summary.SetRevisits({{.a = 0, .b = 3}, {.a = 0, .b = 4, .by_appearance = true}});
-  const json written = Written(summary);
-  EXPECT_EQ(written["frames"],
-            (json{{"read", 12}, {"paired", 5}, {"keyframes", 4}, {"registered", 3}, {"posed", 5}}));
-  EXPECT_EQ(written["revisits"], (json{{"pairs", 2}, {"by_appearance", 1}}));
-  EXPECT_EQ(written["health"]["lone_images"], (json{"a.png", "b.png"}));
-  EXPECT_EQ(written["world_up"], "imu");
-  EXPECT_EQ(written["scale"]["metres_per_model_unit"], 0.5);
-  EXPECT_EQ(written["scale"]["relative_spread"], 0.003);  // of the worst model
-  EXPECT_EQ(written["scale"]["pairs_used"], 3);
-  EXPECT_EQ(written["scale"]["pairs_rejected"], json{1});
-}
-
-TEST_F(PartSummaryTest, SaysHowManyPosesWerePredicted) {
-  Trajectory trajectory(5);
-  for (TimedPose& pose : trajectory) pose.source = PoseSource::kAdjusted;
-  PartSummary summary(request_);
-  summary.SetTrajectory(trajectory, WorldUp::kImu);
-  EXPECT_TRUE(Written(summary)["mapping"]["remarks"].empty());
-  trajectory[3].source = PoseSource::kPredicted;
-  summary.SetTrajectory(trajectory, WorldUp::kImu);
-  EXPECT_THAT(Written(summary)["mapping"]["remarks"].at(0).get<std::string>(),
-              testing::HasSubstr("1 of 5 poses"));
+TEST_F(PartSummaryTest, IsPartialUntilAGateWasAsked) {
+  EXPECT_EQ(Written()["status"], "partial");
+  EXPECT_EQ(Written()["reason"], "no gate checked yet");
+  Add("gates", GateReport("a", 0.5, true), false);
+  EXPECT_EQ(Written()["status"], "ok");
+  EXPECT_TRUE(Written()["reason"].is_null());
 }
 
 TEST_F(PartSummaryTest, FailedGateMakesThePartUntrusted) {
-  PartSummary summary(request_);
-  summary.AddGates({{"a", 0.5, 1.0, true, "fine"}, {"b", std::nullopt, 1.0, true, "unknown"}});
-  EXPECT_EQ(Written(summary)["status"], "ok");
-  EXPECT_EQ(result_.status, PartStatus::kTrusted);
-  summary.AddGates({{"c", 3.0, 1.0, false, "too much of c"}});
-  const json written = Written(summary);
-  EXPECT_EQ(written["status"], "untrusted");
-  EXPECT_EQ(written["reason"], result_.reason);
-  EXPECT_EQ(result_.status, PartStatus::kUntrusted);
-  EXPECT_TRUE(written["gates"][1]["value"].is_null());
-  EXPECT_EQ(written["gates"][2], (json{{"name", "c"},
-                                       {"value", 3.0},
-                                       {"limit", 1.0},
-                                       {"passed", false},
-                                       {"why", "too much of c"}}));
+  Add("gates", GateReport("a", 0.5, true), false);
+  Add("depth_gates", GateReport("c", 3.0, false), false);
+  const Report summary = Written();
+  EXPECT_EQ(summary["status"], "untrusted");
+  EXPECT_EQ(summary["reason"], Judge(ledger_).reason);
+  EXPECT_EQ(summary["reason"], "gate c is 3, limit 1: too much of c");
+  ASSERT_EQ(summary["gates"].size(), 2U);
+  EXPECT_EQ(summary["gates"][1], (Report{{"name", "c"},
+                                         {"value", 3.0},
+                                         {"limit", 1.0},
+                                         {"passed", false},
+                                         {"why", "too much of c"}}));
 }
 
 TEST_F(PartSummaryTest, FailureIsTheReasonWhateverTheGatesSay) {
-  PartSummary summary(request_);
-  summary.AddGates({{"c", 3.0, 1.0, false, "too much of c"}});
-  summary.Fail("colmap: not found");
-  const json written = Written(summary);
-  EXPECT_EQ(written["status"], "failed");
-  EXPECT_EQ(written["reason"], "colmap: not found");
-}
-
-TEST_F(PartSummaryTest, LeavesTheOptionsAsAConfiguration) {
-  request_.options.voxel.voxel_m = 0.1 / 3.0;
-  request_.options.dense.method = DenseMethod::kBm;
-  Written(PartSummary(request_));
-  EXPECT_EQ(WritePartOptions(LoadPartOptions(folder_.Path() / "config.yaml", {})),
-            WritePartOptions(request_.options));
+  Add("gates", GateReport("c", 3.0, false), false);
+  const Report summary = Written("colmap: not found");
+  EXPECT_EQ(summary["status"], "failed");
+  EXPECT_EQ(summary["reason"], "colmap: not found");
 }
 
 }  // namespace

@@ -1,13 +1,14 @@
-#include "workflows/sparse_output.h"
+#include "workflows/stages/sparse_output.h"
 
 #include <gmock/gmock.h>
 
 #include <opencv2/imgcodecs.hpp>
 
 #include "colmap/model_io.h"
-#include "scene/keyframe_graph.h"
+#include "core/file.h"
 #include "tests/support/seeded_random.h"
 #include "tests/support/temporary_folder.h"
+#include "workflows/stages/database.h"
 
 namespace rigmap {
 namespace {
@@ -127,14 +128,19 @@ TEST_F(SparseOutput, ColoursPointsByTheirFirstImage) {
 }
 
 TEST_F(SparseOutput, IsWrittenAsAModelThatReadsBack) {
-  const OutputLayout layout{folder_.Path() / "out"};
+  const fs::path out = folder_.Path() / "out";
+  Publication publication(out, {"sparse", "sparse.ply"});
   const SparseModel model = MakeSparseOutput(dataset_, adjustment_, random_.Motion(2.0));
-  WriteSparseOutput(model, layout);
-  const SparseModel read = ReadModel(layout.root / "sparse");
+  PublishSparse(model, dataset_, publication);
+  const SparseModel read = ReadModel(out / "sparse");
   ASSERT_EQ(read.points.size(), model.points.size());
   EXPECT_EQ(read.points[3].x_in_model, model.points[3].x_in_model);
   EXPECT_EQ(read.images[2].name, model.images[2].name);
-  EXPECT_TRUE(fs::exists(layout.root / "sparse.ply"));
+  EXPECT_TRUE(fs::exists(out / "sparse.ply"));
+  const std::string folder = folder_.Path().filename();
+  EXPECT_THAT(ReadTextFile(out / "sparse" / "image_names.csv"),
+              testing::StartsWith("image,original\nleft/1000.png," + folder +
+                                  "/l0.PNG\nright/1000.png," + folder + "/r0.PNG\n"));
 }
 
 TEST_F(SparseOutput, ImagesAreLinkedByTheNamesOfTheModel) {

@@ -1,0 +1,80 @@
+#include "pipeline/ledger.h"
+
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+
+#include "core/error.h"
+#include "core/file.h"
+
+namespace rigmap {
+namespace {
+
+std::filesystem::path LedgerPath(const std::filesystem::path& root) {
+  return root / "stages" / "ledger.json";
+}
+
+StageRecord ReadRecord(const Report& json) {
+  StageRecord record;
+  record.name = json.at("name");
+  record.key = json.at("key");
+  record.seconds = json.at("seconds");
+  record.peak_rss_mb = json.at("peak_rss_mb");
+  record.published = json.at("published").get<std::vector<std::string>>();
+  record.listed = json.at("listed");
+  record.report = json.at("report");
+  record.reused = true;
+  return record;
+}
+
+}  // namespace
+
+const StageRecord* Ledger::Find(const std::string& name) const {
+  const auto found = std::ranges::find(stages, name, &StageRecord::name);
+  return found == stages.end() ? nullptr : &*found;
+}
+
+void Ledger::Put(StageRecord record) {
+  const auto found = std::ranges::find(stages, record.name, &StageRecord::name);
+  if (found == stages.end()) {
+    stages.push_back(std::move(record));
+  } else {
+    *found = std::move(record);
+  }
+}
+
+void Ledger::Remove(const std::string& name) {
+  std::erase_if(stages, [&](const StageRecord& record) { return record.name == name; });
+}
+
+Ledger ReadLedger(const std::filesystem::path& root) {
+  const auto path = LedgerPath(root);
+  if (!std::filesystem::exists(path)) return {};
+  try {
+    const auto json = Report::parse(ReadTextFile(path));
+    Ledger ledger{.recipe = json.at("recipe"), .stages = {}};
+    for (const auto& record : json.at("stages")) ledger.stages.push_back(ReadRecord(record));
+    return ledger;
+  } catch (const nlohmann::json::exception& error) {
+    spdlog::warn("{}: damaged, its stages are made anew: {}", path.string(), error.what());
+    return {};
+  }
+}
+
+void WriteLedger(const Ledger& ledger, const std::filesystem::path& root) {
+  Report json = {{"recipe", ledger.recipe}, {"stages", Report::array()}};
+  for (const StageRecord& record : ledger.stages) {
+    json["stages"].push_back({{"name", record.name},
+                              {"key", record.key},
+                              {"seconds", record.seconds},
+                              {"peak_rss_mb", record.peak_rss_mb},
+                              {"published", record.published},
+                              {"listed", record.listed},
+                              {"report", record.report}});
+  }
+  WriteFileAtomically(LedgerPath(root), [&](std::ostream& stream) {
+    stream << json.dump(1, ' ', false, Report::error_handler_t::replace) << '\n';
+  });
+}
+
+}  // namespace rigmap

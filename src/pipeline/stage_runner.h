@@ -1,0 +1,88 @@
+// Runs a recipe in an output folder: does what is not there yet, and knows what is.
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/job.h"
+#include "pipeline/ledger.h"
+#include "pipeline/stage_graph.h"
+
+namespace rigmap {
+
+struct RunPlan {
+  std::string recipe;                      // its name, for the ledger
+  std::optional<std::string> until, from;  // stage names of the graph
+  int memory_mb = 2048;
+  // What any recipe may publish: of these nothing may lie in the folder that no record speaks of.
+  std::vector<std::string> known_outputs;
+};
+
+// Layout: stages/<stage>-<key>.bin holds a product, stages/ledger.json what there is,
+// logs/<stage>.log the messages of a stage, stages/scratch what none needs afterwards.
+//
+// The key of a stage is a hash of its code, the options that it reads and the keys of what it
+// takes. A product kept with the same key is taken up, whichever recipe or machine made it. Of each
+// stage the latest two products are kept. A stage counts as done once it is published, its product
+// kept and its record written, in this order, so that a run killed at any moment is taken up by the
+// next.
+class StageRunner {
+ public:
+  // Opens the sources that are needed. `graph` must outlive this. Writes nothing.
+  StageRunner(const StageGraph& graph, std::filesystem::path root, RunPlan plan);
+
+  // Files and folders in the output folder, relative to it, that Run will remove before it begins:
+  // they were made from other inputs, options or code, or --from asks for them anew.
+  const std::vector<std::string>& outdated_outputs() const { return outdated_outputs_; }
+  // The stages that published them, or only kept something that does not hold any more.
+  const std::vector<std::string>& outdated_stages() const { return outdated_stages_; }
+
+  // Throws what a stage throws; what was done before stays, and of that stage nothing is left.
+  void Run(Job& job);
+
+  // What the folder holds, in the order of the recipe.
+  const Ledger& ledger() const { return ledger_; }
+
+ private:
+  std::optional<std::string> KeyOf(std::size_t index);
+  void FindOutdated();
+  void Clear();
+  void Do(std::size_t index);
+  void DoSource(std::size_t index);
+  void DoCheck(std::size_t index);
+  void DoStage(std::size_t index);
+  // Makes, publishes and keeps; the published names.
+  std::vector<std::string> Make(std::size_t index, const StageContext& context);
+  std::vector<std::string> Publish(std::size_t index, const StageContext& context);
+  // Whether the kept product can be read and what it names is there; it is in memory then.
+  bool IsWhole(std::size_t index, const StageContext& context);
+  void Discard(const StageNode& node) const;
+  void ForgetOlder(const StageNode& node, const std::filesystem::path& newest) const;
+  // The product: as it is in memory, or kept, or made now.
+  const std::any& Get(std::size_t index);
+  StageNode::Inputs InputsOf(std::size_t index);
+  void Release(std::size_t done);
+  // The record, if it speaks of the node's present key.
+  const StageRecord* ValidRecord(std::size_t index) const;
+  bool IsPublished(const StageRecord& record) const;
+  std::filesystem::path ProductPath(std::size_t index) const;
+  StageContext ContextOf(std::size_t index) const;
+  void Put(std::size_t index, StageRecord record);
+
+  const StageGraph& graph_;
+  std::filesystem::path root_;
+  RunPlan plan_;
+  Ledger ledger_;
+  std::vector<std::optional<std::string>>
+      keys_;  // nothing: it depends on a source nobody asked for
+  std::vector<bool> selected_, anew_;
+  std::vector<std::size_t> last_use_;
+  std::vector<std::any> products_;
+  std::vector<std::string> outdated_outputs_, outdated_stages_;
+  double children_peak_mb_ = 0.0;
+};
+
+}  // namespace rigmap

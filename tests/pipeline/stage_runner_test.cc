@@ -1,0 +1,335 @@
+#include "pipeline/stage_runner.h"
+
+#include <gmock/gmock.h>
+
+#include "core/error.h"
+#include "core/file.h"
+#include "tests/support/temporary_folder.h"
+#include "tests/support/test_file.h"
+
+namespace rigmap {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::ElementsAre;
+using testing::IsEmpty;
+using testing::UnorderedElementsAre;
+
+struct TextOptions {
+  int number = 0;
+  OptionFields Fields() { return {{"number", &number}}; }
+};
+
+// What the stages of a run did, in order. Stages are plain functions, hence not a member.
+std::vector<std::string> deeds;
+std::string fails_at;
+
+std::string Deed(const std::string& stage, const std::string& product) {
+  if (fails_at == stage) throw DataError("failed in " + stage);
+  deeds.push_back("make " + stage);
+  return product;
+}
+
+// A recipe of two branches on one stem:
+//   given -> odometry -> adjustment -> { fusion, evaluation }, and a check on adjustment.
+// Each adds its number to the text that it takes. `odometry` has nothing to publish, `adjustment`
+// publishes its product, `fusion` writes its file while it makes.
+std::string Odometry(const StageContext&, const std::string& given, const TextOptions& o) {
+  return Deed("odometry", given + std::to_string(o.number));
+}
+std::string Adjustment(const StageContext& context, const std::string& text, const TextOptions& o) {
+  if (fails_at == "half-way") {
+    WriteTestFile(context.root / "trajectory.tum", "half");
+    fs::create_directories(context.scratch);
+  }
+  if (fails_at == "half-way") throw DataError("failed half-way");
+  return Deed("adjustment", text + std::to_string(o.number));
+}
+void PublishAdjustment(Publication& publication, const StageContext&, const std::string& product,
+                       const std::string&) {
+  if (fails_at == "publish") throw DataError("failed in publish");
+  deeds.push_back("publish adjustment");
+  publication.File("trajectory.tum", [&](std::ostream& stream) { stream << product; });
+}
+Report ReportAdjustment(const std::string& product, const std::string&) {
+  return {{"text", product}};
+}
+std::string Fusion(const StageContext& context, const std::string& text, const TextOptions& o) {
+  const std::string product = text + std::to_string(o.number);
+  context.publication->File("dense.ply", [&](std::ostream& stream) { stream << product; });
+  return Deed("fusion", product);
+}
+std::string Evaluation(const StageContext&, const std::string& text, const TextOptions& o) {
+  return Deed("evaluation", text + std::to_string(o.number));
+}
+Report Judge(const std::string& text, const TextOptions& o) {
+  deeds.push_back("check");
+  return {{"verdict", text + std::to_string(o.number)}};
+}
+
+struct Recipe {
+  std::string given = "a";
+  int odometry = 1, adjustment = 2, fusion = 3, evaluation = 4, check = 5;
+  std::string_view fusion_code = "code";
+  std::optional<std::string> until = {}, from = {};
+};
+
+using TextStage = Stage<std::string, Takes<std::string>, Reads<TextOptions>>;
+
+StageGraph GraphOf(const Recipe& recipe) {
+  StageGraph graph;
+  const auto given = graph.AddSource<std::string>(
+      "given", [given = recipe.given] { return std::pair(given, given); });
+  const auto odometry =
+      graph.AddStage(TextStage{.name = "odometry", .code = "code", .make = Odometry},
+                     Reading(TextOptions{recipe.odometry}), given);
+  const auto adjustment = graph.AddStage(TextStage{.name = "adjustment",
+                                                   .code = "code",
+                                                   .make = Adjustment,
+                                                   .publishes = {"trajectory.tum"},
+                                                   .publish = PublishAdjustment,
+                                                   .report = ReportAdjustment},
+                                         Reading(TextOptions{recipe.adjustment}), odometry);
+  graph.AddCheck(Check<Takes<std::string>, Reads<TextOptions>>{"check", "code", Judge},
+                 Reading(TextOptions{recipe.check}), adjustment);
+  graph.AddStage(
+      TextStage{
+          .name = "fusion", .code = recipe.fusion_code, .make = Fusion, .publishes = {"dense.ply"}},
+      Reading(TextOptions{recipe.fusion}), adjustment);
+  graph.AddStage(TextStage{.name = "evaluation", .code = "code", .make = Evaluation},
+                 Reading(TextOptions{recipe.evaluation}), adjustment);
+  return graph;
+}
+
+class StageRunnerTest : public testing::Test {
+ protected:
+  StageRunnerTest() { fails_at.clear(); }
+
+  // What was made anew, published or checked, in order.
+  std::vector<std::string> Run(const Recipe& recipe) {
+    deeds.clear();
+    const StageGraph graph = GraphOf(recipe);
+    StageRunner runner(graph, root_,
+                       {"test", recipe.until, recipe.from, 100, {"dense.ply", "trajectory.tum"}});
+    outdated_ = runner.outdated_outputs();
+    Job job(1, true);
+    job.Run([&] { runner.Run(job); });
+    ledger_ = runner.ledger();
+    return deeds;
+  }
+  std::vector<std::string> Reused() const {
+    std::vector<std::string> reused;
+    for (const StageRecord& record : ledger_.stages) {
+      if (record.reused && record.name != "given") reused.push_back(record.name);
+    }
+    return reused;
+  }
+  std::vector<std::string> Recorded() const {
+    std::vector<std::string> names;
+    for (const StageRecord& record : ledger_.stages) {
+      if (record.name != "given") names.push_back(record.name);
+    }
+    return names;
+  }
+  fs::path ProductOf(const std::string& stage) const {
+    for (const auto& entry : fs::directory_iterator(root_ / "stages")) {
+      if (entry.path().filename().string().starts_with(stage + "-")) return entry.path();
+    }
+    return {};
+  }
+
+  TemporaryFolder folder_;
+  fs::path root_ = folder_.Path();
+  fs::path tum_ = root_ / "trajectory.tum", ply_ = root_ / "dense.ply";
+  std::vector<std::string> outdated_;
+  Ledger ledger_;
+};
+
+const std::vector<std::string> kAll{"make odometry", "make adjustment", "publish adjustment",
+                                    "check",         "make fusion",     "make evaluation"};
+const std::vector<std::string> kNames{"odometry", "adjustment", "check", "fusion", "evaluation"};
+
+TEST_F(StageRunnerTest, MakesEverythingOnceAndThenReusesIt) {
+  EXPECT_EQ(Run({}), kAll);
+  EXPECT_THAT(Reused(), IsEmpty());
+  EXPECT_EQ(Recorded(), kNames);
+  EXPECT_EQ(ReadTextFile(ply_), "a123");
+  EXPECT_THAT(Run({}), IsEmpty());
+  EXPECT_EQ(Reused(), kNames);
+  EXPECT_EQ(ledger_.Find("adjustment")->report, (Report{{"text", "a12"}}));
+  EXPECT_EQ(ledger_.Find("check")->report, (Report{{"verdict", "a125"}}));
+}
+
+TEST_F(StageRunnerTest, RecordsTimeMemoryAndALog) {
+  Run({});
+  const StageRecord* record = ledger_.Find("adjustment");
+  ASSERT_NE(record, nullptr);
+  EXPECT_GE(record->seconds, 0.0);
+  EXPECT_GT(record->peak_rss_mb, 1.0);
+  EXPECT_THAT(record->published, ElementsAre("trajectory.tum"));
+  EXPECT_TRUE(fs::exists(root_ / "logs" / "adjustment.log"));
+}
+
+TEST_F(StageRunnerTest, ChangedOptionRedoesItsStageAndWhatDependsOnItOnly) {
+  Run({});
+  EXPECT_THAT(Run({.fusion = 30}), ElementsAre("make fusion"));
+  EXPECT_EQ(ReadTextFile(ply_), "a1230");
+  EXPECT_THAT(Run({.fusion = 30, .evaluation = 40}), ElementsAre("make evaluation"));
+  EXPECT_THAT(Run({.fusion = 30, .evaluation = 40, .check = 50}), ElementsAre("check"));
+  EXPECT_THAT(Reused(), ElementsAre("odometry", "adjustment", "fusion", "evaluation"));
+  EXPECT_EQ(Run({.odometry = 10, .fusion = 30, .evaluation = 40, .check = 50}), kAll);
+  EXPECT_EQ(ReadTextFile(tum_), "a102");
+}
+
+TEST_F(StageRunnerTest, ChangedInputOrCodeRedoesWhatDependsOnIt) {
+  Run({});
+  EXPECT_THAT(Run({.fusion_code = "other code"}), ElementsAre("make fusion"));
+  EXPECT_EQ(Run({.given = "b"}), kAll);
+  EXPECT_EQ(ReadTextFile(tum_), "b12");
+}
+
+// Of each stage two products are kept, so that two techniques do not drive each other out.
+TEST_F(StageRunnerTest, GoingBackRedoesNothingThatIsKept) {
+  Run({});
+  Run({.adjustment = 20});
+  EXPECT_THAT(Run({}), ElementsAre("publish adjustment", "check", "make fusion"));
+  EXPECT_EQ(ReadTextFile(tum_), "a12");
+  EXPECT_EQ(ReadTextFile(ply_), "a123");
+  Run({.adjustment = 20});
+  Run({.adjustment = 21});
+  EXPECT_THAT(Run({}), testing::Contains("make adjustment"));
+}
+
+// The option of one stage must not be taken for that of its neighbour.
+TEST_F(StageRunnerTest, OptionsOfNeighboursAreToldApart) {
+  Run({.odometry = 1, .adjustment = 12});
+  EXPECT_EQ(Run({.odometry = 11, .adjustment = 2}), kAll);
+}
+
+TEST_F(StageRunnerTest, FromRedoesThatStageAndItsDescendantsAnew) {
+  Run({});
+  EXPECT_THAT(Run({.from = "fusion"}), ElementsAre("make fusion"));
+  EXPECT_THAT(Run({.from = "adjustment"}), ElementsAre("make adjustment", "publish adjustment",
+                                                       "check", "make fusion", "make evaluation"));
+  EXPECT_EQ(Run({.from = "given"}), kAll);
+}
+
+TEST_F(StageRunnerTest, UntilDoesThatStageItsAncestorsAndTheirChecks) {
+  EXPECT_THAT(Run({.until = "odometry"}), ElementsAre("make odometry"));
+  EXPECT_THAT(Run({.until = "adjustment"}),
+              ElementsAre("make adjustment", "publish adjustment", "check"));
+  // A branch beside it is no ancestor.
+  EXPECT_THAT(Run({.until = "evaluation"}), ElementsAre("make evaluation"));
+  EXPECT_FALSE(fs::exists(ply_));
+  EXPECT_THAT(Run({}), ElementsAre("make fusion"));
+}
+
+TEST_F(StageRunnerTest, ShorterRunKeepsAndRecordsWhatStillHolds) {
+  Run({});
+  EXPECT_THAT(Run({.until = "odometry"}), IsEmpty());
+  EXPECT_EQ(Recorded(), kNames);
+  EXPECT_THAT(outdated_, IsEmpty());
+  EXPECT_EQ(ReadTextFile(ply_), "a123");
+}
+
+TEST_F(StageRunnerTest, ShorterRunNamesAndRemovesWhatDoesNotHold) {
+  Run({});
+  EXPECT_THAT(Run({.adjustment = 20, .until = "odometry"}), IsEmpty());
+  EXPECT_THAT(outdated_, UnorderedElementsAre("trajectory.tum", "dense.ply"));
+  EXPECT_THAT(Recorded(), ElementsAre("odometry"));
+  EXPECT_FALSE(fs::exists(tum_));
+  EXPECT_FALSE(fs::exists(ply_));
+}
+
+TEST_F(StageRunnerTest, WritesNothingBeforeItIsTold) {
+  Run({});
+  const StageGraph graph = GraphOf({.adjustment = 20});
+  const StageRunner runner(graph, root_, {"test", {}, {}, 100, {"dense.ply", "trajectory.tum"}});
+  EXPECT_THAT(runner.outdated_stages(), ElementsAre("adjustment", "check", "fusion", "evaluation"));
+  EXPECT_TRUE(fs::exists(tum_));
+  EXPECT_TRUE(fs::exists(ply_));
+}
+
+TEST_F(StageRunnerTest, MissingPublishedFileIsWrittenAgain) {
+  Run({});
+  fs::remove(tum_);
+  EXPECT_THAT(Run({}), ElementsAre("publish adjustment"));
+  EXPECT_EQ(Reused(), kNames);
+  EXPECT_EQ(ReadTextFile(tum_), "a12");
+  fs::remove(ply_);
+  EXPECT_THAT(Run({}), ElementsAre("make fusion"));
+}
+
+TEST_F(StageRunnerTest, DamagedProductIsMadeAnewAndWhatHoldsIsKept) {
+  Run({});
+  fs::resize_file(ProductOf("adjustment"), fs::file_size(ProductOf("adjustment")) - 3);
+  EXPECT_THAT(Run({}), ElementsAre("make adjustment", "publish adjustment"));
+  WriteTestFile(ProductOf("odometry"), "noise");
+  EXPECT_THAT(Run({}), ElementsAre("make odometry"));
+}
+
+// Damage that only reading it shows: the key and the end are there.
+TEST_F(StageRunnerTest, ProductDamagedInsideIsMadeAnewWhenItIsNeeded) {
+  Run({});
+  const fs::path product = ProductOf("adjustment");
+  std::string bytes = ReadTextFile(product);
+  const auto line_end = bytes.find('\n');
+  bytes.erase(line_end + 1, bytes.size() - line_end - 5);
+  WriteTestFile(product, bytes);
+  EXPECT_THAT(Run({.fusion = 30}),
+              ElementsAre("make adjustment", "publish adjustment", "make fusion"));
+  EXPECT_EQ(ReadTextFile(ply_), "a1230");
+}
+
+TEST_F(StageRunnerTest, LostLedgerCostsWhatWasPublishedOnly) {
+  Run({});
+  fs::remove(root_ / "stages" / "ledger.json");
+  EXPECT_THAT(Run({}), ElementsAre("publish adjustment", "check", "make fusion"));
+  EXPECT_THAT(outdated_, UnorderedElementsAre("trajectory.tum", "dense.ply"));
+  EXPECT_EQ(ledger_.Find("adjustment")->report, (Report{{"text", "a12"}}));
+}
+
+TEST_F(StageRunnerTest, FailureWhileMakingLeavesNothingOfThatStage) {
+  Run({});
+  fails_at = "half-way";
+  EXPECT_THROW(Run({.adjustment = 20}), DataError);
+  EXPECT_FALSE(fs::exists(tum_));
+  EXPECT_FALSE(fs::exists(ply_));
+  EXPECT_FALSE(fs::exists(root_ / "stages" / "scratch"));
+  const Ledger left = ReadLedger(root_);
+  ASSERT_EQ(left.stages.size(), 2U);
+  EXPECT_EQ(left.stages[1].name, "odometry");
+  fails_at.clear();
+  EXPECT_THAT(Run({.adjustment = 20}), ElementsAre("make adjustment", "publish adjustment", "check",
+                                                   "make fusion", "make evaluation"));
+}
+
+// Otherwise a run that was killed between the two would be taken for complete.
+TEST_F(StageRunnerTest, ProductThatWasNotPublishedDoesNotCountAsKept) {
+  fails_at = "publish";
+  EXPECT_THROW(Run({}), DataError);
+  fails_at.clear();
+  EXPECT_THAT(Run({.until = "adjustment"}),
+              ElementsAre("make adjustment", "publish adjustment", "check"));
+}
+
+TEST_F(StageRunnerTest, SourceThatIsNotToBeHadFailsOnlyWhereItIsNeeded) {
+  StageGraph graph;
+  const auto given = graph.AddSource<std::string>(
+      "given", [] { return std::pair<std::string, std::string>("a", "a"); });
+  const auto missing = graph.AddSource<std::string>(
+      "missing",
+      []() -> std::pair<std::string, std::string> { throw DataError("it is not there"); });
+  graph.AddStage(TextStage{.name = "odometry", .code = "code", .make = Odometry},
+                 Reading(TextOptions{1}), given);
+  graph.AddStage(TextStage{.name = "evaluation", .code = "code", .make = Evaluation},
+                 Reading(TextOptions{1}), missing);
+  EXPECT_THROW(StageRunner(graph, root_, {"test", {}, {}, 100, {}}), DataError);
+  StageRunner runner(graph, root_, {"test", "odometry", {}, 100, {}});
+  Job job(1, true);
+  job.Run([&] { runner.Run(job); });
+  EXPECT_NE(runner.ledger().Find("odometry"), nullptr);
+}
+
+}  // namespace
+}  // namespace rigmap

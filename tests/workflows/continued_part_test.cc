@@ -1,0 +1,241 @@
+// What a result folder holds, and what a later run makes of it.
+#include <gmock/gmock.h>
+#include <unistd.h>
+
+#include <map>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "core/file.h"
+#include "tests/support/temporary_folder.h"
+#include "tests/support/test_file.h"
+#include "tests/workflows/rigmap_program.h"
+#include "workflows/reconstruct_part.h"
+
+namespace rigmap {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::Not;
+using testing::StartsWith;
+
+using Arguments = std::vector<std::string>;
+
+class ContinuedPart : public testing::Test {
+ protected:
+  // A whole result of the simulated part, made once.
+  static void SetUpTestSuite() {
+    made_ = new TemporaryFolder;
+    data_ = CopyOfSimulatedPart(made_->Path());
+    const ProgramEnd end = Run(RIGMAP_PROGRAM, made_->Path() / "out", data_);
+    ASSERT_EQ(end.exit_code, 0) << end.err;
+  }
+  static void TearDownTestSuite() {
+    delete made_;
+    made_ = nullptr;
+  }
+  // A copy of it that a test may change.
+  ContinuedPart() {
+    fs::copy(made_->Path() / "out", out_,
+             fs::copy_options::recursive | fs::copy_options::copy_symlinks);
+  }
+
+  static ProgramEnd Run(const fs::path& program, const fs::path& out, const fs::path& data,
+                        const Arguments& more = {}) {
+    Arguments arguments{"part", "--dataset", data, "--out", out};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return RunProgram(program, arguments);
+  }
+  ProgramEnd Continue(const Arguments& more = {}) const {
+    return Run(RIGMAP_PROGRAM, out_, data_, more);
+  }
+  json Summary() const { return json::parse(ReadTextFile(out_ / "summary.json")); }
+  // Names of the stages that the last run made.
+  Arguments Made() const {
+    Arguments names;
+    const json summary = Summary();
+    for (const json& stage : summary["stages"]) {
+      if (!stage["reused"]) names.push_back(stage["name"]);
+    }
+    return names;
+  }
+  // Every published file, with its bytes.
+  std::map<std::string, std::string> Published() const {
+    std::map<std::string, std::string> bytes;
+    for (const std::string& name : FilesIn(out_)) {
+      const fs::path path = out_ / name;
+      if (!fs::is_regular_file(path) || name.starts_with("stages/") || name.starts_with("logs/") ||
+          name == "summary.json") {
+        continue;
+      }
+      bytes[name] = ReadTextFile(path);
+    }
+    return bytes;
+  }
+
+  static TemporaryFolder* made_;
+  static fs::path data_;
+  TemporaryFolder folder_;
+  fs::path out_ = folder_.Path() / "out";
+};
+TemporaryFolder* ContinuedPart::made_ = nullptr;
+fs::path ContinuedPart::data_;
+
+TEST_F(ContinuedPart, MovedWithItsDataIsDoneAlready) {
+  const fs::path data = folder_.Path() / "elsewhere" / "data";
+  fs::create_directories(data.parent_path());
+  fs::copy(data_, data, fs::copy_options::recursive);  // with new times
+  const auto before = Published();
+  const ProgramEnd end = Run(RIGMAP_PROGRAM, out_, data);
+  ASSERT_EQ(end.exit_code, 0) << end.err;
+  EXPECT_THAT(Made(), IsEmpty());
+  EXPECT_EQ(Published(), before);
+  const json summary = Summary();
+  EXPECT_EQ(summary["stages"].size(), 13U);
+  EXPECT_EQ(summary["gates"].size(), 17U);
+  // Links lead to where the images are now.
+  for (const auto& link : fs::directory_iterator(out_ / "colmap" / "images" / "left")) {
+    EXPECT_THAT(fs::read_symlink(link.path()).string(), StartsWith(data.string()));
+  }
+}
+
+TEST_F(ContinuedPart, WithAnotherAlgorithmIsDoneAnewFromThatStageOn) {
+  const auto before = Published();
+  ASSERT_EQ(Run(RIGMAP_OTHER_PROGRAM, out_, data_).exit_code, 0);
+  EXPECT_THAT(Made(), ElementsAre("fusion", "raster", "views", "evaluation"));
+  // Only the identity differs: the algorithm is the same.
+  EXPECT_EQ(Published(), before);
+}
+
+TEST_F(ContinuedPart, WithAnotherPictureSizeMakesPicturesOnly) {
+  const std::string map = ReadTextFile(out_ / "dense.ply"),
+                    picture = ReadTextFile(out_ / "view_top.png");
+  ASSERT_EQ(Continue({"--set", "raster.picture_px=1000"}).exit_code, 0);
+  EXPECT_THAT(Made(), ElementsAre("views"));
+  EXPECT_TRUE(ReadTextFile(out_ / "dense.ply") == map);
+  EXPECT_FALSE(ReadTextFile(out_ / "view_top.png") == picture);
+}
+
+TEST_F(ContinuedPart, JudgedByOtherLimitsMakesNothingAnew) {
+  const ProgramEnd end = Continue({"--set", "gates.epipolar_px=0.000001"});
+  EXPECT_EQ(end.exit_code, 3);
+  EXPECT_THAT(Made(), IsEmpty());
+  EXPECT_EQ(Summary()["status"], "untrusted");
+  EXPECT_THAT(Summary()["reason"].get<std::string>(), HasSubstr("epipolar_px"));
+}
+
+TEST_F(ContinuedPart, OfOtherFramesIsRefusedAndNothingIsLost) {
+  const auto before = Published();
+  const std::string summary = ReadTextFile(out_ / "summary.json");
+  const ProgramEnd end = Continue({"--frames", "0:6", "--until", "odometry"});
+  EXPECT_EQ(end.exit_code, 1);
+  EXPECT_THAT(end.LastErrorLine(), HasSubstr("other frames"));
+  EXPECT_EQ(Published(), before);
+  EXPECT_EQ(ReadTextFile(out_ / "summary.json"), summary);
+}
+
+TEST_F(ContinuedPart, AskedForLessKeepsWhatHoldsAndSaysSo) {
+  ASSERT_EQ(Continue({"--set", "gates.epipolar_px=0.000001"}).exit_code, 3);
+  const auto before = Published();
+  const ProgramEnd end = Continue({"--set", "gates.epipolar_px=0.000001", "--until", "odometry"});
+  EXPECT_EQ(end.exit_code, 3) << end.err;  // what lies there is untrusted still
+  EXPECT_EQ(Summary()["status"], "untrusted");
+  EXPECT_EQ(Summary()["stages"].size(), 13U);
+  EXPECT_EQ(Published(), before);
+}
+
+TEST_F(ContinuedPart, AskedForLessWithAnotherOptionNamesWhatItRemoves) {
+  const ProgramEnd end = Continue({"--set", "odometry.min_inliers=16", "--until", "odometry"});
+  EXPECT_EQ(end.exit_code, 0) << end.err;
+  for (const char* name : {"trajectory.tum", "dense.ply", "colmap/models", "evaluation.json"}) {
+    EXPECT_THAT(end.err, HasSubstr(name));
+    EXPECT_FALSE(fs::exists(out_ / name)) << name;
+  }
+  EXPECT_EQ(Summary()["status"], "partial");
+  EXPECT_EQ(Summary()["reason"], "no gate checked yet");
+  EXPECT_THAT(Made(), ElementsAre("odometry"));
+  // Going back is free for all that is kept.
+  ASSERT_EQ(Continue().exit_code, 0);
+  EXPECT_THAT(Made(), ElementsAre("mapping", "fusion", "raster", "views"));
+}
+
+TEST_F(ContinuedPart, ByVisualOdometryTakesUpWhatTheRigTechniqueLeft) {
+  const ProgramEnd end = Continue({"--technique", "vo"});
+  ASSERT_THAT(end.exit_code, testing::AnyOf(0, 3)) << end.err;
+  EXPECT_THAT(end.err, HasSubstr("sparse"));  // named, since removed
+  const json summary = Summary();
+  EXPECT_EQ(summary["technique"], "vo");
+  EXPECT_THAT(Made(), Not(testing::Contains(testing::AnyOf("dataset", "features", "odometry"))));
+  EXPECT_TRUE(fs::exists(out_ / "dense.ply"));
+  EXPECT_FALSE(fs::exists(out_ / "sparse"));
+  const json metrics = json::parse(ReadTextFile(out_ / "evaluation.json"));
+  EXPECT_EQ(metrics["coverage"], 1.0);
+  EXPECT_LT(metrics["ate_se3_pct"].get<double>(), 1.0);
+  // And back.
+  const ProgramEnd back = Continue();
+  ASSERT_EQ(back.exit_code, 0) << back.err;
+  EXPECT_THAT(Made(), Not(testing::Contains(testing::AnyOf("features", "matching", "adjustment"))));
+  EXPECT_TRUE(fs::exists(out_ / "sparse" / "images.bin"));
+}
+
+TEST_F(ContinuedPart, InterruptedSaysHowToGoOn) {
+  const fs::path errors = folder_.Path() / "errors";
+  const std::string command = "exec " + std::string(RIGMAP_PROGRAM) + " part --dataset '" +
+                              data_.string() + "' --out '" + out_.string() +
+                              "' --from dataset --quiet 2> '" + errors.string() + "'";
+  const pid_t process = fork();
+  if (process == 0) {
+    execl("/bin/sh", "sh", "-c", command.c_str(), nullptr);
+    _exit(127);
+  }
+  for (int waited_ms = 0; fs::exists(out_ / "summary.json") && waited_ms < 60000; ++waited_ms) {
+    usleep(1000);
+  }
+  EXPECT_EQ(EndBySignal(process, SIGINT), SIGINT);
+  EXPECT_THAT(ReadTextFile(errors), HasSubstr("the same command again goes on"));
+}
+
+// What is kept of single frames is kept for both.
+TEST_F(ContinuedPart, GoesBackToEarlierOptionsOfSingleFrames) {
+  const auto before = Published();
+  for (const char* option : {"dense.uniqueness_pct=12", "features.max_keypoints=900"}) {
+    const ProgramEnd there = Continue({"--set", option});
+    ASSERT_THAT(there.exit_code, testing::AnyOf(0, 3)) << there.err;
+    const ProgramEnd back = Continue();
+    ASSERT_EQ(back.exit_code, 0) << back.err;
+    EXPECT_THAT(Made(), Not(testing::Contains(testing::AnyOf("features", "dense")))) << option;
+    EXPECT_EQ(Published(), before) << option;
+  }
+  fs::remove_all(out_ / "stages" / "dense");
+  ASSERT_EQ(Continue().exit_code, 0);
+  EXPECT_THAT(Made(), ElementsAre("dense"));
+}
+
+// No state of the process belongs to one part.
+TEST_F(ContinuedPart, MadeTwiceAtATimeInOneProcessIsTheSame) {
+  const auto request_for = [&](const char* name) {
+    PartRequest request;
+    request.dataset.folder = data_;
+    request.out = folder_.Path() / name;
+    request.quiet = true;
+    return request;
+  };
+  PartResult other;
+  std::thread thread([&] { other = ReconstructPart(request_for("a")); });
+  EXPECT_EQ(ReconstructPart(request_for("b")).status, PartStatus::kOk);
+  thread.join();
+  EXPECT_EQ(other.status, PartStatus::kOk);
+  const auto expected = Published();
+  for (const char* name : {"a", "b"}) {
+    out_ = folder_.Path() / name;
+    EXPECT_EQ(Published(), expected) << name;
+    EXPECT_EQ(Summary()["gates"].size(), 17U);
+  }
+}
+
+}  // namespace
+}  // namespace rigmap

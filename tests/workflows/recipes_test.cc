@@ -1,0 +1,169 @@
+// Which options redo which stages.
+#include "workflows/recipes.h"
+
+#include <gmock/gmock.h>
+
+#include <map>
+#include <set>
+
+#include "core/error.h"
+#include "tests/support/message_of.h"
+
+namespace rigmap {
+namespace {
+
+using testing::AllOf;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsSupersetOf;
+
+using Names = std::set<std::string>;
+
+// Stages and checks that read an option, by section, and by option where they differ from the rest
+// of it: what docs/stages.md says.
+const std::map<std::string, Names> kReaders{
+    {"masks", {"features", "dense"}},
+    {"features", {"features"}},
+    {"odometry", {"odometry", "adjustment"}},
+    {"matching", {"matching"}},
+    {"matching.min_inliers", {"matching", "mapping"}},
+    {"colmap", {}},
+    {"mapping", {"mapping"}},
+    {"mapping.tracks_per_keyframe", {"database"}},
+    {"scale", {"mapping"}},
+    {"adjustment", {"adjustment"}},
+    {"dense", {"dense"}},
+    {"fusion", {"fusion"}},
+    {"fusion.voxel_m", {"dense", "fusion", "raster", "views"}},
+    {"raster.max_hole_cells", {"raster"}},
+    {"raster.picture_px", {"views"}},
+    {"evaluation", {"evaluation"}},
+    {"georeference", {"evaluation"}},
+    {"rocks", {"evaluation"}},
+    {"gates", {"gates"}},
+    {"gates.baseline_spread", {"mapping", "gates"}},
+    {"gates.baseline_rejected", {"mapping", "gates"}},
+    {"gates.registered", {"mapping", "gates"}},
+    {"gates.motion_agreement_sigmas", {"adjustment", "gates"}},
+    {"gates.motion_agreement_pct", {"adjustment", "gates"}},
+    {"gates.reprojection_px", {"adjustment", "gates"}},
+    {"gates.outlier_share", {"adjustment", "gates"}},
+    {"gates.depth_bias_px", {"depth_gates"}},
+};
+
+const Names& ReadersOf(const std::string& section, const std::string& option) {
+  const auto exact = kReaders.find(section + "." + option);
+  return exact != kReaders.end() ? exact->second : kReaders.at(section);
+}
+
+StageGraph GraphOf(const PartOptions& options) { return RigRecipe({}, {}, options); }
+
+// Named nodes whose code or options differ.
+Names Changed(const StageGraph& a, const StageGraph& b) {
+  Names names;
+  for (std::size_t i = 0; i < a.nodes().size(); ++i) {
+    if (a.nodes()[i].identity != b.nodes()[i].identity) names.insert(a.nodes()[i].name);
+  }
+  return names;
+}
+
+// Another value that the option may have.
+void ChangeOption(OptionField& field) {
+  if (auto* flag = std::get_if<bool*>(&field.value)) {
+    **flag = !**flag;
+  } else if (auto* number = std::get_if<int*>(&field.value)) {
+    **number += 1;
+  } else if (auto* value = std::get_if<double*>(&field.value)) {
+    **value = **value * 0.99 + 1e-6;
+  } else {
+    const auto& choice = std::get<OptionChoice>(field.value);
+    choice.choose((choice.index() + 1) % choice.names.size());
+  }
+}
+
+TEST(RigRecipe, EachOptionAloneRedoesExactlyTheStagesThatReadIt) {
+  const StageGraph before = GraphOf({});
+  std::size_t options = 0;
+  PartOptions defaults;
+  for (const OptionSection& section : defaults.Sections()) {
+    for (const OptionField& field : section.fields) {
+      PartOptions changed;
+      for (OptionSection& other : changed.Sections()) {
+        for (OptionField& candidate : other.fields) {
+          if (other.name == section.name && candidate.name == field.name) ChangeOption(candidate);
+        }
+      }
+      EXPECT_EQ(Changed(before, GraphOf(changed)), ReadersOf(section.name, field.name))
+          << section.name << "." << field.name;
+      ++options;
+    }
+  }
+  EXPECT_GT(options, 80U);
+}
+
+TEST(RigRecipe, EveryOptionThatIsNamedHereIsThere) {
+  PartOptions defaults;
+  Names names;
+  for (const OptionSection& section : defaults.Sections()) {
+    names.insert(section.name);
+    for (const OptionField& field : section.fields) names.insert(section.name + "." + field.name);
+  }
+  for (const auto& [name, readers] : kReaders) EXPECT_TRUE(names.contains(name)) << name;
+}
+
+// Names of the stages that depend on one, itself included.
+std::vector<std::string> DescendantsOf(const StageGraph& graph, const std::string& name) {
+  const auto reached = graph.Descendants(graph.IndexOf(name));
+  std::vector<std::string> names;
+  for (std::size_t i = 0; i < reached.size(); ++i) {
+    if (reached[i] && !graph.nodes()[i].name.empty()) names.push_back(graph.nodes()[i].name);
+  }
+  return names;
+}
+
+TEST(RigRecipe, StagesDependOnWhatTheyTakeAndNoMore) {
+  const StageGraph graph = GraphOf({});
+  EXPECT_THAT(
+      StageNames(Technique::kRig),
+      ElementsAre("dataset", "features", "odometry", "matching", "database", "mapping", "scale",
+                  "adjustment", "dense", "fusion", "raster", "views", "evaluation"));
+  EXPECT_THAT(DescendantsOf(graph, "views"), ElementsAre("views"));
+  EXPECT_THAT(DescendantsOf(graph, "raster"), ElementsAre("raster"));
+  EXPECT_THAT(DescendantsOf(graph, "truth"), ElementsAre("truth", "evaluation"));
+  EXPECT_THAT(DescendantsOf(graph, "fusion"),
+              ElementsAre("fusion", "raster", "views", "evaluation"));
+  EXPECT_THAT(DescendantsOf(graph, "scale"),
+              ElementsAre("scale", "adjustment", "gates", "dense", "depth_gates", "fusion",
+                          "raster", "views", "evaluation"));
+}
+
+// So that the one takes up what the other has left.
+TEST(VisualOdometryRecipe, SharesItsFirstStagesWithTheRigRecipe) {
+  const StageGraph rig = RigRecipe({}, {}, {}), vo = VisualOdometryRecipe({}, {}, {});
+  for (const char* name : {"features", "odometry"}) {
+    const StageNode &a = rig.nodes()[rig.IndexOf(name)], &b = vo.nodes()[vo.IndexOf(name)];
+    EXPECT_EQ(a.identity, b.identity) << name;
+    EXPECT_EQ(a.inputs, b.inputs) << name;
+  }
+  EXPECT_THAT(StageNames(Technique::kVisualOdometry),
+              ElementsAre("dataset", "features", "odometry", "trajectory", "dense", "fusion",
+                          "raster", "views", "evaluation"));
+}
+
+TEST(KnownOutputsTest, AreThoseOfAllTechniquesOnce) {
+  const auto outputs = KnownOutputs();
+  EXPECT_THAT(outputs, IsSupersetOf({"trajectory.tum", "sparse", "dense.ply", "view_top.png",
+                                     "colmap/models", "rig_refined.yaml", "evaluation.json"}));
+  EXPECT_EQ(Names(outputs.begin(), outputs.end()).size(), outputs.size());
+}
+
+TEST(TechniqueNames, ReadBackAndListWhatThereIs) {
+  for (const Technique technique : {Technique::kRig, Technique::kVisualOdometry}) {
+    EXPECT_EQ(ParseTechnique(NameOf(technique)), technique);
+  }
+  EXPECT_THAT(MessageOf<UsageError>([] { ParseTechnique("icp2"); }),
+              AllOf(HasSubstr("rig, vo"), HasSubstr("'icp2'")));
+}
+
+}  // namespace
+}  // namespace rigmap

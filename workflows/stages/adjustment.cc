@@ -1,0 +1,177 @@
+#include "workflows/stages/adjustment.h"
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <numbers>
+
+#include "adjustment/level_world.h"
+#include "odometry/track_frames.h"
+#include "pipeline/code_identity.h"
+#include "pose_graph/relax_poses.h"
+#include "trajectory/assemble_trajectory.h"
+#include "trajectory/starting_poses.h"
+#include "workflows/stages/sparse_output.h"
+#include "workflows/stages/trajectory.h"
+#include "workflows/stages/trajectory_output.h"
+
+namespace rigmap {
+namespace {
+
+// The gauge of the adjustment laid into the world, and a pose for every frame.
+AdjustedPart LayInWorld(const Dataset& dataset, const Odometry& odometry,
+                        const Adjustment& adjustment) {
+  std::vector<Eigen::Vector3d> points;
+  for (const AdjustedPoint& point : adjustment.points) points.push_back(point.x);
+  std::vector<std::optional<Rigid3>> poses;
+  for (const TimedPose& pose : AssembleTrajectory(odometry, adjustment, Rigid3())) {
+    poses.push_back(pose.world_from_left);
+  }
+  std::fill_n(poses.begin(), FirstPosedFrame(odometry), std::nullopt);
+  const LevelledWorld world = LevelWorld(poses, points, dataset);
+  return {adjustment,
+          odometry,
+          world.world_from_gauge,
+          world.up_source,
+          AssembleTrajectory(odometry, adjustment, world.world_from_gauge),
+          {}};
+}
+
+struct Adjuster {
+  const Dataset& dataset;
+  const FeatureStore& features;
+  const Odometry& odometry;
+  const Correspondences& matches;
+  std::vector<std::optional<Rigid3>> mapped;  // world_from_left of the frames that COLMAP posed
+  const AdjustmentOptions& options;
+  const OdometryOptions& odometry_options;
+  const AdjustmentGateOptions& gates;
+
+  AdjustedPart From(StartingFrom from) const {
+    return From(from == StartingFrom::kMapping ? mapped : std::vector<std::optional<Rigid3>>(),
+                odometry, CalibrationVector::Zero());
+  }
+
+  // With the rig that `part` has found to be the right one.
+  AdjustedPart WithItsRig(const AdjustedPart& part) const {
+    AdjustedPart anew = From({}, TrackWith(part.adjustment.rig), part.adjustment.rig_correction);
+    anew.remarks.push_back(
+        "the images contradict the calibration: the rig was corrected (rig_refined.yaml), the "
+        "odometry done anew with it");
+    return anew;
+  }
+
+  Gates Judge(const AdjustedPart& part) const {
+    return JudgeAdjustment({dataset.rig, part.odometry, part.adjustment, part.trajectory}, gates);
+  }
+
+ private:
+  AdjustedPart From(const std::vector<std::optional<Rigid3>>& start, const Odometry& steps,
+                    const CalibrationVector& correction) const {
+    const auto starting = RelaxPoses(StartingPoses(steps, start), steps, matches.revisits);
+    const Adjustment adjustment =
+        AdjustBundle({matches, dataset.rig, starting, correction}, options);
+    return LayInWorld(dataset, steps, adjustment);
+  }
+
+  // Which frames are keyframes stays as it was: they have been matched.
+  Odometry TrackWith(const StereoRig& rig) const {
+    Odometry steps =
+        TrackFrames(features.frame_count(), features.AsSource(), rig, odometry_options);
+    for (std::size_t i = 0; i < steps.size(); ++i) steps[i].keyframe = odometry[i].keyframe;
+    return steps;
+  }
+};
+
+AdjustedPart AdjustInTurn(const Adjuster& adjuster, const InTurn<StartingFrom>& ways) {
+  AdjustedPart best = adjuster.From(ways.planned);
+  if (best.adjustment.IsRigCorrected()) best = adjuster.WithItsRig(best);
+  const Gates failed = adjuster.Judge(best);
+  // With a corrected rig it has started from the odometry already.
+  if (AllPassed(failed) || best.adjustment.IsRigCorrected()) return best;
+  AdjustedPart other = adjuster.From(ways.otherwise);
+  const bool is_better = AllPassed(adjuster.Judge(other));
+  const std::string remark =
+      fmt::format("{}; adjusting from the odometric poses {}", FailureReason(failed),
+                  is_better ? "gave the result instead" : "did not mend it");
+  spdlog::warn("{}", remark);
+  AdjustedPart& kept = is_better ? other : best;
+  kept.remarks.push_back(remark);
+  return kept;
+}
+
+AdjustedPart MakeAdjusted(const StageContext&, const Dataset& dataset, const FeatureStore& features,
+                          const Odometry& odometry, const Correspondences& matches,
+                          const KeyframeGraph& graph, const PlacedKeyframes& placed,
+                          const InTurn<StartingFrom>& ways, const AdjustmentOptions& options,
+                          const OdometryOptions& odometry_options,
+                          const AdjustmentGateOptions& gates) {
+  std::vector<std::optional<Rigid3>> mapped(odometry.size());
+  for (std::size_t k = 0; k < graph.keyframes.size(); ++k) {
+    mapped[graph.keyframes[k].frame] = placed.world_from_left[k];
+  }
+  return AdjustInTurn(
+      {dataset, features, odometry, matches, std::move(mapped), options, odometry_options, gates},
+      ways);
+}
+
+void PublishAdjusted(Publication& publication, const StageContext&, const AdjustedPart& part,
+                     const Dataset& dataset, const FeatureStore&, const Odometry&,
+                     const Correspondences&, const KeyframeGraph&, const PlacedKeyframes&) {
+  const Adjustment& adjustment = part.adjustment;
+  PublishSparse(MakeSparseOutput(dataset, adjustment, part.world_from_gauge), dataset, publication);
+  PublishTrajectory(adjustment.rig, part.trajectory, publication);
+  if (adjustment.IsRigCorrected()) PublishRig(WithFilesOf(dataset, adjustment.rig), publication);
+}
+
+// How the rig was corrected: the turn of the right eye about its own axes, the focal lengths'
+// change.
+Report DescribeRigChange(const StereoRig& calibrated, const StereoRig& used) {
+  const Eigen::Vector3d turn_deg =
+      180.0 / std::numbers::pi *
+      LogRotation(used.right_from_left.rotation * calibrated.right_from_left.rotation.conjugate());
+  const double focal_pct = 100.0 * (used.left.camera.fx / calibrated.left.camera.fx - 1.0);
+  return {{"refined", !turn_deg.isZero() || focal_pct != 0.0},
+          {"right_eye_turned_deg", {turn_deg.x(), turn_deg.y(), turn_deg.z()}},
+          {"focal_changed_pct", focal_pct}};
+}
+
+Report ReportAdjusted(const AdjustedPart& part, const Dataset& dataset, const FeatureStore&,
+                      const Odometry&, const Correspondences&, const KeyframeGraph&,
+                      const PlacedKeyframes&) {
+  Report report = ReportTrajectory(part.trajectory, part.world_up);
+  for (const std::string& remark : part.remarks) report["mapping"]["remarks"].push_back(remark);
+  report["rig"] = DescribeRigChange(dataset.rig, part.adjustment.rig);
+  return report;
+}
+
+}  // namespace
+
+AdjustmentStage RigAdjustment() {
+  std::vector<std::string> publishes = kTrajectoryOutputs;
+  publishes.insert(publishes.end(), {"rig_refined.yaml", "sparse", "sparse.ply"});
+  return {.name = "adjustment",
+          .code = CodeHere(),
+          .make = MakeAdjusted,
+          .publishes = std::move(publishes),
+          .publish = PublishAdjusted,
+          .report = ReportAdjusted};
+}
+
+PosedPart PosedByAdjustment(const StageContext&, const Dataset& dataset, const AdjustedPart& part) {
+  const Adjustment& adjustment = part.adjustment;
+  PosedPart posed{WithFilesOf(dataset, adjustment.rig), part.trajectory, {}};
+  posed.points_in_left.resize(adjustment.world_from_left.size());
+  for (const AdjustedPoint& point : adjustment.points) {
+    for (const PointObservation& o : point.observations) {
+      if (o.eye == Eye::kLeft) {
+        posed.points_in_left[o.frame].push_back(adjustment.world_from_left[o.frame]->Inverse() *
+                                                point.x);
+      }
+    }
+  }
+  return posed;
+}
+
+}  // namespace rigmap

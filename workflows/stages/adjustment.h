@@ -1,0 +1,54 @@
+// The stage `adjustment`: leaves trajectories, sparse/ and, where the rig was corrected,
+// rig_refined.yaml.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "adjustment/adjust.h"
+#include "features/feature_store.h"
+#include "gates/gates.h"
+#include "odometry/odometry_options.h"
+#include "pipeline/stage.h"
+#include "scale/baseline_scale.h"
+#include "scene/correspondences.h"
+#include "scene/dataset.h"
+#include "scene/keyframe_graph.h"
+#include "scene/world_up.h"
+#include "workflows/stages/in_turn.h"
+#include "workflows/stages/posed_part.h"
+
+namespace rigmap {
+
+struct AdjustedPart {
+  Adjustment adjustment;  // in its own gauge
+  Odometry odometry;      // which frames that are not adjusted hang on; of the rig as corrected
+  Rigid3 world_from_gauge;
+  WorldUp world_up = WorldUp::kCamera;
+  Trajectory trajectory;             // every paired frame, in the world
+  std::vector<std::string> remarks;  // what went otherwise than planned, a sentence each
+
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(adjustment, odometry, world_from_gauge, world_up, trajectory, remarks);
+  }
+};
+
+// Which poses the adjustment starts from.
+enum class StartingFrom { kMapping, kOdometry };
+constexpr auto NamesOf(StartingFrom) { return std::array{"mapping", "odometry"}; }
+
+using AdjustmentStage =
+    Stage<AdjustedPart,
+          Takes<Dataset, FeatureStore, Odometry, Correspondences, KeyframeGraph, PlacedKeyframes>,
+          Reads<InTurn<StartingFrom>, AdjustmentOptions, OdometryOptions, AdjustmentGateOptions>>;
+// Where the images correct the rig, the odometry is done anew with the corrected rig and the
+// adjustment starts from that, since steps that only the odometry knows were measured with the
+// wrong rig. Else, where a gate on the adjustment fails, it begins again from the other poses.
+AdjustmentStage RigAdjustment();
+
+// A view.
+PosedPart PosedByAdjustment(const StageContext& context, const Dataset& dataset,
+                            const AdjustedPart& part);
+
+}  // namespace rigmap

@@ -1,0 +1,98 @@
+#include "workflows/stages/compare_result.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "core/artefact.h"
+#include "core/file.h"
+#include "evaluation/map_metrics.h"
+#include "evaluation/map_over_truth.h"
+#include "evaluation/rock_metrics.h"
+#include "export/ply_reader.h"
+
+namespace rigmap {
+namespace {
+
+namespace fs = std::filesystem;
+
+RockSegmentation RocksOf(const fs::path& map_ply, const RockSegmentationOptions& options) {
+  HeightGrid heights;
+  PlyReader reader(map_ply);
+  PointCloud block;
+  while (reader.Read(block)) heights.Add(block);
+  return SegmentRocks(heights, options);
+}
+
+// The truth of what was driven: a run of some frames is not judged by the rest of the way.
+std::vector<TumPose> TruthDuring(const std::vector<TumPose>& estimate, std::vector<TumPose> truth,
+                                 double max_dt_s) {
+  const auto [first, last] = std::ranges::minmax_element(estimate, {}, &TumPose::stamp_ns);
+  if (first == estimate.end()) return truth;
+  const auto margin_ns = static_cast<StampNs>(1e9 * max_dt_s);
+  std::erase_if(truth,
+                [&, from = first->stamp_ns - margin_ns, to = last->stamp_ns + margin_ns](
+                    const TumPose& pose) { return pose.stamp_ns < from || pose.stamp_ns > to; });
+  return truth;
+}
+
+}  // namespace
+
+nlohmann::ordered_json CompareWithTruth(const std::vector<TumPose>& estimate,
+                                        const fs::path& truth_tum, const fs::path& map_ply,
+                                        const EvaluationOptions& options) {
+  auto json = ToJson(CompareTrajectories(
+      estimate, TruthDuring(estimate, ReadTum(truth_tum), options.max_dt_s), options));
+  std::error_code ignored;
+  if (!fs::exists(map_ply, ignored)) return json;
+  const auto truth = ReadMapTruth(truth_tum.parent_path());
+  if (!truth) return json;
+  const auto truth_from_world = AlignWithTruth(estimate, truth->path, options);
+  if (!truth_from_world) return json;  // which the trajectory's `error` says
+  const MapOverTruth map(ReadMapPoints(map_ply), *truth_from_world, *truth);
+  json["map"] = ToJson(CompareMap(map));
+  json["rocks"] = ToJson(CompareRocks(map));
+  return json;
+}
+
+nlohmann::ordered_json CompareWithSurvey(const SurveyedResult& result,
+                                         const SurveyOptions& options) {
+  const auto& antenna_in_left = result.rig.antenna_in_left;
+  if (result.truth.fixes.empty() || !antenna_in_left) return nullptr;
+  const RtkFit fit =
+      AlignToRtk(result.truth.fixes, result.trajectory, *antenna_in_left, options.alignment);
+  nlohmann::ordered_json json;
+  json["rtk"] = fit.alignment ? ToJson(*fit.alignment) : nlohmann::ordered_json::object();
+  if (!fit.why.empty()) json["rtk"]["why"] = fit.why;
+  std::error_code ignored;
+  const auto& rocks = result.truth.surveyed_rocks;
+  if (!fit.alignment || rocks.empty() || !fs::exists(result.map_ply, ignored)) return json;
+  json["surveyed_rocks"] = ToJson(CompareWithSurvey(RocksOf(result.map_ply, options.rocks),
+                                                    {result.trajectory, result.rig},
+                                                    {rocks, *fit.alignment}, options.survey));
+  return json;
+}
+
+std::string DescribeTruth(const Truth& truth) {
+  std::string text;
+  if (!truth.tum_path.empty()) {
+    text = HashFile(truth.tum_path);
+    for (const fs::path& path : MapTruthFiles(fs::path(truth.tum_path).parent_path())) {
+      text += fmt::format(" {}", HashFile(path));
+    }
+  }
+  for (const GnssFix& fix : truth.fixes) {
+    text +=
+        fmt::format("\n{} {} {} {} {} {} {}", fix.stamp_ns, fix.status, fix.latitude_deg,
+                    fix.longitude_deg, fix.altitude_m, fix.sigma_enu_m.x(), fix.sigma_enu_m.y());
+    text += fmt::format(" {}", fix.sigma_enu_m.z());
+  }
+  for (const SurveyedLandmark& rock : truth.surveyed_rocks) {
+    text += fmt::format("\n{} {} {} {}", rock.kind, rock.position.epsg, rock.position.easting_m,
+                        rock.position.northing_m);
+  }
+  return text;
+}
+
+}  // namespace rigmap

@@ -1,0 +1,56 @@
+// A finished result beside what is known of the truth.
+#pragma once
+
+#include <filesystem>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <vector>
+
+#include "evaluation/rock_segmentation.h"
+#include "evaluation/rock_survey.h"
+#include "evaluation/trajectory_metrics.h"
+#include "export/tum.h"
+#include "georeference/rtk_alignment.h"
+#include "scene/dataset.h"
+#include "scene/trajectory.h"
+
+namespace rigmap {
+
+// What a result is compared with. No stage before `evaluation` takes it.
+struct Truth {
+  std::string tum_path;  // empty: none
+  std::vector<GnssFix> fixes;
+  std::vector<SurveyedLandmark> surveyed_rocks;
+};
+
+// The keys of trajectory_metrics.h, of the truth between the first and the last estimated pose; and
+// where `map_ply` exists and the folder of the truth holds a true surface (map_truth.h), `map` and
+// `rocks` with those of map_metrics.h and rock_metrics.h.
+nlohmann::ordered_json CompareWithTruth(const std::vector<TumPose>& estimate,
+                                        const std::filesystem::path& truth_tum,
+                                        const std::filesystem::path& map_ply,
+                                        const EvaluationOptions& options);
+
+struct SurveyedResult {
+  const Trajectory& trajectory;
+  const StereoRig& rig;
+  const Truth& truth;
+  std::filesystem::path map_ply;
+};
+
+struct SurveyOptions {
+  const RtkAlignmentOptions& alignment;
+  const RockSegmentationOptions& rocks;
+  const RockSurveyOptions& survey;
+};
+
+// `rtk`: how the trajectory lies on the satellite fixes, or why it cannot be laid there; and where
+// it can and there are surveyed rocks, `surveyed_rocks` (rock_survey.h). Null where there are no
+// fixes.
+nlohmann::ordered_json CompareWithSurvey(const SurveyedResult& result,
+                                         const SurveyOptions& options);
+
+// Text that changes when what these two take of the truth does: the contents of its files.
+std::string DescribeTruth(const Truth& truth);
+
+}  // namespace rigmap

@@ -1,0 +1,110 @@
+#include "workflows/stages/dense.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+
+#include "core/artefact.h"
+#include "core/freed_memory.h"
+#include "core/job.h"
+#include "core/progress.h"
+#include "core/statistics.h"
+#include "pipeline/code_identity.h"
+
+namespace rigmap {
+namespace {
+
+// With fewer keyframes than this all frames are matched.
+constexpr std::ptrdiff_t kFewKeyframes = 3;
+
+// Of the memory for dense matching, what may stay with the process from frame to frame; the rest is
+// for one that needs more than those before.
+constexpr double kKeptShare = 2.0 / 3.0;
+
+std::optional<double> MedianOfKnown(const std::vector<std::optional<double>>& values) {
+  std::vector<double> known;
+  for (const auto& value : values) {
+    if (value) known.push_back(*value);
+  }
+  return known.empty() ? std::nullopt : std::optional(Median(std::move(known)));
+}
+
+// Frames whose depth goes into the map: keyframes, and all frames where there are hardly any; none
+// that is posed by odometry or prediction with a sigma that the voxels would show, none that cannot
+// be read.
+std::vector<int> DenseFrames(const Trajectory& trajectory, const FeatureIndex& features,
+                             double voxel_m) {
+  const auto& unreadable = features.unreadable_frames;
+  const bool all = std::ranges::count(trajectory, true, &TimedPose::keyframe) < kFewKeyframes;
+  std::vector<int> frames;
+  for (std::size_t i = 0; i < trajectory.size(); ++i) {
+    const TimedPose& pose = trajectory[i];
+    const bool sure =
+        pose.source == PoseSource::kAdjusted ||
+        (pose.source == PoseSource::kOdometry && pose.sigmas.head<3>().maxCoeff() < voxel_m);
+    const int frame = static_cast<int>(i);
+    if (std::binary_search(unreadable.begin(), unreadable.end(), frame)) continue;
+    if (sure && (all || pose.keyframe)) frames.push_back(frame);
+  }
+  return frames;
+}
+
+// How many frames may be dense-matched at once (DenseMatcher states what each needs).
+int DenseThreads(const StereoRig& rig, const DenseOptions& options, const StageContext& context) {
+  const Camera& camera = rig.left.camera;
+  const double disparities = camera.MeanFocal() * rig.Baseline() / options.min_depth_m;
+  const double frame_mb = 4e-6 * camera.width * camera.height * disparities;
+  return std::clamp(static_cast<int>(context.memory_mb / std::max(frame_mb, 1.0)), 1,
+                    context.threads);
+}
+
+DepthIndex MakeDepths(const StageContext& context, const Dataset& dataset,
+                      const DatasetContent& content, const FeatureIndex& features,
+                      const PosedPart& part, const DenseOptions& options, const MaskOptions& masks,
+                      const VoxelOptions& voxel) {
+  DepthIndex index;
+  index.frames = DenseFrames(part.trajectory, features, voxel.voxel_m);
+  const Camera& camera = part.rig.left.camera;
+  const RigFixedCells& fixed = features.rig_fixed;
+  const DenseMatcher matcher(part.rig, options, masks, fixed.Mask(camera.width, camera.height));
+  const std::string how = std::string(CodeHere()) + content.rig + DescribeRig(part.rig) +
+                          std::string(fixed.fixed.begin(), fixed.fixed.end()) +
+                          OptionsText(options) + OptionsText(masks);
+  for (const int frame : index.frames) {
+    index.files.push_back(FrameFileOf("dense", dataset.frames[frame].stamp_ns,
+                                      HashText(how + content.frames[frame])));
+  }
+  std::vector<std::optional<double>> biases(index.frames.size());
+  Progress progress("dense", index.frames.size());
+  Job::Current()->RunWithThreads(DenseThreads(dataset.rig, options, context), [&] {
+    tbb::parallel_for(std::size_t{0}, index.frames.size(), [&](std::size_t i) {
+      const int frame = index.frames[i];
+      const FrameFile& file = index.files[i];
+      const auto path = file.In(context.root);
+      std::optional<DepthMap> depth;
+      if (context.may_reuse) depth = LoadDepth(path, file.key);
+      if (!depth) {
+        depth = matcher.Compute(dataset.frames[frame]);
+        SaveDepth(path, file.key, *depth);
+        ReturnFreedMemory(kKeptShare * context.memory_mb);
+      }
+      biases[i] = DisparityBiasPx(*depth, part.points_in_left[frame]);
+      progress.Advance();
+    });
+  });
+  ForgetOlderFrames(context.root, index.files);
+  index.bias_px = MedianOfKnown(biases);
+  return index;
+}
+
+bool AreDepthsThere(const StageContext& context, const DepthIndex& index) {
+  return AreThere(context.root, index.files);
+}
+
+}  // namespace
+
+DenseStage DenseMatching() {
+  return {.name = "dense", .code = CodeHere(), .make = MakeDepths, .is_whole = AreDepthsThere};
+}
+
+}  // namespace rigmap

@@ -1,0 +1,34 @@
+// The stage `dense`: each keyframe's depth map, in a file of its own.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "dataset/dataset_content.h"
+#include "dense/dense_matcher.h"
+#include "pipeline/frame_files.h"
+#include "pipeline/stage.h"
+#include "scene/voxel_options.h"
+#include "workflows/stages/features.h"
+#include "workflows/stages/posed_part.h"
+
+namespace rigmap {
+
+struct DepthIndex {
+  std::vector<int> frames;
+  std::vector<FrameFile> files;  // of each frame's depth map
+  std::optional<double> bias_px;
+
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(frames, files, bias_px);
+  }
+};
+
+// The voxel decides which frames are posed well enough to show in it.
+using DenseStage = Stage<DepthIndex, Takes<Dataset, DatasetContent, FeatureIndex, PosedPart>,
+                         Reads<DenseOptions, MaskOptions, VoxelOptions>>;
+DenseStage DenseMatching();
+
+}  // namespace rigmap

@@ -1,0 +1,21 @@
+// The stage `evaluation`: leaves evaluation.json where there is a truth or there are satellite
+// fixes.
+#pragma once
+
+#include <string>
+
+#include "evaluation/rock_segmentation.h"
+#include "evaluation/rock_survey.h"
+#include "evaluation/trajectory_metrics.h"
+#include "georeference/rtk_alignment.h"
+#include "workflows/stages/fusion.h"
+#include "workflows/stages/inputs.h"
+
+namespace rigmap {
+
+using EvaluationStage = Stage<
+    std::string, Takes<Dataset, Truth, PosedPart, FusedMap>,
+    Reads<EvaluationOptions, RtkAlignmentOptions, RockSegmentationOptions, RockSurveyOptions>>;
+EvaluationStage Evaluation();
+
+}  // namespace rigmap

@@ -1,0 +1,89 @@
+#include "workflows/stages/features.h"
+
+#include <spdlog/spdlog.h>
+#include <tbb/parallel_for.h>
+
+#include "core/artefact.h"
+#include "core/progress.h"
+#include "core/statistics.h"
+#include "pipeline/code_identity.h"
+
+namespace rigmap {
+namespace {
+
+// As kept, or found now and kept.
+FrameFeatures FeaturesOf(const StereoFrame& frame, const FrameFile& file, const FeatureSetup& setup,
+                         const StageContext& context) {
+  const auto path = file.In(context.root);
+  if (context.may_reuse) {
+    if (auto kept = ReadArtefact<FrameFeatures>(path, file.key)) return std::move(*kept);
+  }
+  FrameFeatures features = ExtractFeatures(frame, setup);
+  WriteArtefact(path, file.key, features);
+  return features;
+}
+
+FeatureIndex MakeFeatures(const StageContext& context, const Dataset& dataset,
+                          const DatasetContent& content, const FeatureOptions& options,
+                          const MaskOptions& masks) {
+  const FeatureSetup setup = MakeFeatureSetup(dataset.rig, options, masks);
+  const std::string how =
+      std::string(CodeHere()) + content.rig + OptionsText(options) + OptionsText(masks);
+  const std::size_t count = dataset.frames.size();
+  FeatureIndex index;
+  for (std::size_t i = 0; i < count; ++i) {
+    index.files.push_back(
+        FrameFileOf("features", dataset.frames[i].stamp_ns, HashText(how + content.frames[i])));
+  }
+  std::vector<std::optional<float>> epipolar(count);
+  std::vector<std::vector<std::string>> unreadable(count);
+  Progress progress("features", count);
+  tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
+    FrameFeatures features = FeaturesOf(dataset.frames[i], index.files[i], setup, context);
+    if (!features.epipolar_errors_px.empty()) {
+      epipolar[i] = MedianAbsolute(features.epipolar_errors_px);
+    }
+    unreadable[i] = std::move(features.unreadable_images);
+    progress.Advance();
+  });
+  for (std::size_t i = 0; i < count; ++i) {
+    if (epipolar[i]) index.epipolar_px.push_back(*epipolar[i]);
+    if (unreadable[i].empty()) continue;
+    index.unreadable_frames.push_back(static_cast<int>(i));
+    index.unreadable_images.insert(index.unreadable_images.end(), unreadable[i].begin(),
+                                   unreadable[i].end());
+  }
+  ForgetOlderFrames(context.root, index.files);
+  const FeatureStore all = OpenFeatures(context, index);  // of which none is the rig's yet
+  index.rig_fixed = FindRigFixed(static_cast<int>(count), all.AsSource(), dataset.rig.left.camera);
+  return index;
+}
+
+Report ReportFeatures(const FeatureIndex& index, const Dataset&, const DatasetContent&) {
+  for (const std::string& path : index.unreadable_images) {
+    spdlog::warn("{}: cannot be read as an image, its frame shows nothing", path);
+  }
+  return {{"health", {{"unreadable_images", index.unreadable_images}}}};
+}
+
+bool AreFeaturesThere(const StageContext& context, const FeatureIndex& index) {
+  return AreThere(context.root, index.files);
+}
+
+}  // namespace
+
+FeaturesStage Features() {
+  return {.name = "features",
+          .code = CodeHere(),
+          .make = MakeFeatures,
+          .is_whole = AreFeaturesThere,
+          .report = ReportFeatures};
+}
+
+FeatureStore OpenFeatures(const StageContext& context, const FeatureIndex& index) {
+  std::vector<FeatureFile> files;
+  for (const FrameFile& file : index.files) files.push_back({file.In(context.root), file.key});
+  return {std::move(files), index.rig_fixed};
+}
+
+}  // namespace rigmap

@@ -1,0 +1,61 @@
+#include "workflows/stages/fusion.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "core/file.h"
+#include "export/ply.h"
+#include "fusion/depth_fusion.h"
+#include "pipeline/code_identity.h"
+
+namespace rigmap {
+namespace {
+
+FusedMap MakeMap(const StageContext& context, const Dataset&, const PosedPart& part,
+                 const DepthIndex& depths, const FusionOptions& asked, const VoxelOptions& voxel) {
+  std::vector<PosedDepth> posed;
+  for (std::size_t i = 0; i < depths.frames.size(); ++i) {
+    const int frame = depths.frames[i];
+    posed.push_back({depths.files[i].In(context.root), depths.files[i].key,
+                     part.trajectory[frame].world_from_left});
+  }
+  // A single frame has nobody to agree with.
+  FusionOptions options = asked;
+  options.min_views = std::min(options.min_views, std::max(1, static_cast<int>(posed.size())));
+  FusedMap fused;
+  context.publication->File("dense.ply", [&](std::ostream& stream) {
+    PlyWriter writer(stream);
+    const auto take = [&](std::span<const SurfacePoint> points) { writer.Write(points); };
+    for (const std::size_t i :
+         FuseDepthMaps(posed, voxel, options, {context.scratch / "tiles", take})) {
+      fused.frames_left_out.push_back(depths.frames[i]);
+    }
+    writer.Finish();
+    fused.points = writer.point_count();
+  });
+  return fused;
+}
+
+Report ReportMap(const FusedMap& fused, const Dataset& dataset, const PosedPart&,
+                 const DepthIndex&) {
+  Report remarks = Report::array();
+  for (const int frame : fused.frames_left_out) {
+    remarks.push_back(fmt::format(
+        "frame {} is left out of the map: its depth or pose disagrees with its neighbours'",
+        dataset.frames[frame].stamp_ns));
+  }
+  return {{"mapping", {{"remarks", std::move(remarks)}}}};
+}
+
+}  // namespace
+
+FusionStage Fusion() {
+  return {.name = "fusion",
+          .code = CodeHere(),
+          .make = MakeMap,
+          .publishes = {"dense.ply"},
+          .report = ReportMap};
+}
+
+}  // namespace rigmap

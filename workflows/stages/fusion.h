@@ -1,0 +1,29 @@
+// The stage `fusion`: leaves dense.ply.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "fusion/fusion_options.h"
+#include "pipeline/stage.h"
+#include "workflows/stages/dense.h"
+
+namespace rigmap {
+
+// What is kept of the map beside the map itself.
+struct FusedMap {
+  std::uint64_t points = 0;
+  std::vector<int> frames_left_out;
+
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(points, frames_left_out);
+  }
+};
+
+using FusionStage =
+    Stage<FusedMap, Takes<Dataset, PosedPart, DepthIndex>, Reads<FusionOptions, VoxelOptions>>;
+FusionStage Fusion();
+
+}  // namespace rigmap

@@ -1,0 +1,38 @@
+#include "workflows/stages/inputs.h"
+
+namespace rigmap {
+namespace {
+
+Report ReportDataset(const Dataset& dataset) {
+  const DatasetHealth& health = dataset.health;
+  return {{"frames", {{"read", health.images_read}, {"paired", dataset.frames.size()}}},
+          {"health",
+           {{"lone_images", health.lone_images},
+            {"unreadable_images", health.unreadable_images},
+            {"remarks", health.remarks}}}};
+}
+
+}  // namespace
+
+PartInputs AddPartInputs(StageGraph& graph, const Dataset& dataset, const DatasetContent& content,
+                         const ColmapOptions& colmap_options) {
+  const auto open_dataset = [dataset, content] { return std::pair(content.Key(), dataset); };
+  const auto open_content = [content] { return std::pair(content.Key(), content); };
+  const auto open_truth = [dataset] {
+    Truth truth{dataset.truth_path, dataset.fixes, dataset.surveyed_landmarks};
+    std::string key = DescribeTruth(truth);
+    return std::pair(std::move(key), std::move(truth));
+  };
+  // The version is the key: how long one waits for it changes nothing.
+  const auto open_colmap = [colmap_options] {
+    ColmapInstallation colmap = FindColmap();
+    colmap.patience_s = colmap_options.patience_s;
+    return std::pair(colmap.version_text, colmap);
+  };
+  return {graph.AddSource<Dataset>("dataset", open_dataset, ReportDataset),
+          graph.AddSource<DatasetContent>("content", open_content),
+          graph.AddSource<Truth>("truth", open_truth),
+          graph.AddSource<ColmapInstallation>("colmap", open_colmap)};
+}
+
+}  // namespace rigmap

@@ -1,0 +1,21 @@
+// What a part's recipe is given from outside.
+#pragma once
+
+#include "colmap/installation.h"
+#include "dataset/dataset_content.h"
+#include "pipeline/stage_graph.h"
+#include "workflows/stages/compare_result.h"
+
+namespace rigmap {
+
+struct PartInputs {
+  Node<Dataset> dataset;
+  Node<DatasetContent> content;  // of the dataset, for the keys of single frames
+  Node<Truth> truth;
+  Node<ColmapInstallation> colmap;  // looked for on PATH when a stage needs it
+};
+
+PartInputs AddPartInputs(StageGraph& graph, const Dataset& dataset, const DatasetContent& content,
+                         const ColmapOptions& colmap);
+
+}  // namespace rigmap

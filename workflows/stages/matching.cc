@@ -1,0 +1,29 @@
+#include "workflows/stages/matching.h"
+
+#include <algorithm>
+
+#include "pipeline/code_identity.h"
+
+namespace rigmap {
+namespace {
+
+Correspondences MakeMatches(const StageContext&, const Dataset& dataset,
+                            const FeatureStore& features, const Odometry& odometry,
+                            const MatchingOptions& options) {
+  return MatchFrames(odometry, features.AsSource(), dataset.rig, options);
+}
+
+Report ReportMatches(const Correspondences& found, const Dataset&, const FeatureStore&,
+                     const Odometry&) {
+  return {{"revisits",
+           {{"pairs", found.revisits.size()},
+            {"by_appearance", std::ranges::count(found.revisits, true, &Revisit::by_appearance)}}}};
+}
+
+}  // namespace
+
+MatchingStage Matching() {
+  return {.name = "matching", .code = CodeHere(), .make = MakeMatches, .report = ReportMatches};
+}
+
+}  // namespace rigmap

@@ -1,0 +1,15 @@
+// The stage `matching`.
+#pragma once
+
+#include "features/feature_store.h"
+#include "matching/match_frames.h"
+#include "pipeline/stage.h"
+#include "scene/dataset.h"
+
+namespace rigmap {
+
+using MatchingStage =
+    Stage<Correspondences, Takes<Dataset, FeatureStore, Odometry>, Reads<MatchingOptions>>;
+MatchingStage Matching();
+
+}  // namespace rigmap

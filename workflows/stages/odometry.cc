@@ -1,0 +1,32 @@
+#include "workflows/stages/odometry.h"
+
+#include <algorithm>
+
+#include "core/progress.h"
+#include "pipeline/code_identity.h"
+
+namespace rigmap {
+namespace {
+
+Odometry MakeOdometry(const StageContext&, const Dataset& dataset, const FeatureStore& features,
+                      const OdometryOptions& options) {
+  Progress progress("odometry", dataset.frames.size());
+  const auto load = [&](int frame) {
+    progress.Set(static_cast<std::size_t>(frame) + 1);
+    return features.Get(frame);
+  };
+  return TrackFrames(features.frame_count(), load, dataset.rig, options);
+}
+
+Report ReportOdometry(const Odometry& odometry, const Dataset&, const FeatureStore&) {
+  return {
+      {"frames", {{"keyframes", std::ranges::count(odometry, true, &OdometryFrame::keyframe)}}}};
+}
+
+}  // namespace
+
+OdometryStage VisualOdometry() {
+  return {.name = "odometry", .code = CodeHere(), .make = MakeOdometry, .report = ReportOdometry};
+}
+
+}  // namespace rigmap

@@ -1,0 +1,28 @@
+// What the surface is made from, whichever technique gave the poses.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "scene/dataset.h"
+#include "scene/rig.h"
+#include "scene/trajectory.h"
+
+namespace rigmap {
+
+struct PosedPart {
+  StereoRig rig;  // as the part corrected it
+  Trajectory trajectory;
+  // Sparse points in each frame's left camera, metres; empty where the technique has none.
+  std::vector<std::vector<Eigen::Vector3d>> points_in_left;
+};
+
+// The rig with the files that go with it where they are now.
+inline StereoRig WithFilesOf(const Dataset& dataset, StereoRig rig) {
+  rig.source = dataset.rig.source;
+  rig.left.mask_path = dataset.rig.left.mask_path;
+  rig.right.mask_path = dataset.rig.right.mask_path;
+  return rig;
+}
+
+}  // namespace rigmap

@@ -1,0 +1,26 @@
+#include "workflows/stages/raster.h"
+
+#include "pipeline/code_identity.h"
+#include "raster/surface_rasters.h"
+
+namespace rigmap {
+namespace {
+
+Published MakeRasters(const StageContext& context, const FusedMap& map,
+                      const RasterOptions& options, const VoxelOptions& voxel) {
+  if (map.points == 0) return {};
+  for (const char* name : {"height.tif", "ortho.tif"}) context.publication->Path(name);
+  WriteSurfaceRasters({context.root / "dense.ply", voxel.voxel_m}, context.root, options);
+  return {};
+}
+
+}  // namespace
+
+RasterStage Rasters() {
+  return {.name = "raster",
+          .code = CodeHere(),
+          .make = MakeRasters,
+          .publishes = {"height.tif", "ortho.tif"}};
+}
+
+}  // namespace rigmap

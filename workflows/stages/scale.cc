@@ -1,0 +1,46 @@
+#include "workflows/stages/scale.h"
+
+#include <algorithm>
+
+#include "pipeline/code_identity.h"
+
+namespace rigmap {
+namespace {
+
+PlacedKeyframes MakeScale(const StageContext&, const Odometry& odometry, const KeyframeGraph& graph,
+                          const MeasuredModels& measured) {
+  return PlaceModels(measured.mapped.models, measured.scales, OdometricPoses(odometry, graph));
+}
+
+// The first model's factor; spread and counts over all models.
+Report DescribeScale(const PlacedKeyframes& placed) {
+  if (placed.models.empty()) return Report::object();
+  double spread = 0.0;
+  std::size_t used = 0;
+  std::vector<int> rejected;
+  for (const PlacedModel& model : placed.models) {
+    spread = std::max(spread, model.scale.relative_spread);
+    used += model.scale.pairs_used.size();
+    rejected.insert(rejected.end(), model.scale.pairs_rejected.begin(),
+                    model.scale.pairs_rejected.end());
+  }
+  return {{"metres_per_model_unit", placed.models.front().scale.metres_per_model_unit},
+          {"relative_spread", spread},
+          {"pairs_used", used},
+          {"pairs_rejected", rejected}};
+}
+
+Report ReportScale(const PlacedKeyframes& placed, const Odometry&, const KeyframeGraph&,
+                   const MeasuredModels&) {
+  const auto registered = std::ranges::count_if(placed.world_from_left,
+                                                [](const auto& pose) { return pose.has_value(); });
+  return {{"frames", {{"registered", registered}}}, {"scale", DescribeScale(placed)}};
+}
+
+}  // namespace
+
+ScaleStage Scale() {
+  return {.name = "scale", .code = CodeHere(), .make = MakeScale, .report = ReportScale};
+}
+
+}  // namespace rigmap

@@ -1,0 +1,39 @@
+// The stage `trajectory`: the poses of the odometry as the result, where a technique adjusts none.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "features/feature_store.h"
+#include "odometry/odometry_options.h"
+#include "pipeline/stage.h"
+#include "scene/dataset.h"
+#include "scene/odometry.h"
+#include "scene/world_up.h"
+#include "workflows/stages/posed_part.h"
+
+namespace rigmap {
+
+struct OdometricPart {
+  StereoRig rig;
+  Trajectory trajectory;  // every paired frame, in the world
+  WorldUp world_up = WorldUp::kCamera;
+
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(rig, trajectory, world_up);
+  }
+};
+
+using TrajectoryStage =
+    Stage<OdometricPart, Takes<Dataset, FeatureStore, Odometry>, Reads<OdometryOptions>>;
+TrajectoryStage OdometricTrajectory();
+
+// A view.
+PosedPart PosedByOdometry(const StageContext& context, const Dataset& dataset,
+                          const OdometricPart& part);
+
+// What summary.json says of any trajectory.
+Report ReportTrajectory(const Trajectory& trajectory, WorldUp world_up);
+
+}  // namespace rigmap

@@ -1,0 +1,12 @@
+// The stage `views`: leaves pictures of the map, if it has any point.
+#pragma once
+
+#include "workflows/stages/raster.h"
+
+namespace rigmap {
+
+using ViewsStage =
+    Stage<Published, Takes<PosedPart, FusedMap>, Reads<PictureOptions, VoxelOptions>>;
+ViewsStage Pictures();
+
+}  // namespace rigmap

@@ -1,0 +1,23 @@
+#include "workflows/surface_recipe.h"
+
+#include "workflows/stages/dense.h"
+#include "workflows/stages/evaluation.h"
+#include "workflows/stages/fusion.h"
+#include "workflows/stages/gates.h"
+#include "workflows/stages/raster.h"
+#include "workflows/stages/views.h"
+
+namespace rigmap {
+
+void AddSurface(StageGraph& g, const PartOptions& o, const SurfaceInputs& in) {
+  const auto depths = g.AddStage(DenseMatching(), Reading(o.dense, o.masks, o.voxel), in.dataset,
+                                 in.content, in.features, in.posed);
+  g.AddCheck(DepthGates(), Reading(o.gates.dense), depths);
+  const auto map = g.AddStage(Fusion(), Reading(o.fusion, o.voxel), in.dataset, in.posed, depths);
+  g.AddStage(Rasters(), Reading(o.raster, o.voxel), map);
+  g.AddStage(Pictures(), Reading(o.pictures, o.voxel), in.posed, map);
+  g.AddStage(Evaluation(), Reading(o.evaluation, o.georeference, o.rocks, o.rock_survey),
+             in.dataset, in.truth, in.posed, map);
+}
+
+}  // namespace rigmap
