@@ -70,7 +70,7 @@ void AddPart(CLI::App& app, PartArguments& a) {
 }
 
 // The place of a stage in the technique's order.
-std::ptrdiff_t PlaceOf(const char* option, const std::string& name, Technique technique) {
+std::ptrdiff_t IndexOfStage(const char* option, const std::string& name, Technique technique) {
   const auto names = StageNames(technique);
   const auto found = std::ranges::find(names, name);
   if (found == names.end()) {
@@ -81,8 +81,8 @@ std::ptrdiff_t PlaceOf(const char* option, const std::string& name, Technique te
 }
 
 void RequireStages(const PartArguments& a, Technique technique) {
-  const auto until = a.until.empty() ? 0 : PlaceOf("--until", a.until, technique);
-  const auto from = a.from.empty() ? 0 : PlaceOf("--from", a.from, technique);
+  const auto until = a.until.empty() ? 0 : IndexOfStage("--until", a.until, technique);
+  const auto from = a.from.empty() ? 0 : IndexOfStage("--from", a.from, technique);
   if (!a.until.empty() && !a.from.empty() && until < from) {
     throw UsageError(fmt::format("--from {}: comes after --until {}", a.from, a.until));
   }

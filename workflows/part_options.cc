@@ -63,7 +63,7 @@ std::vector<OptionSection> PartOptions::Sections() {
        "Which pixels are used at all. Beside these, the rig file may name a mask and a calibrated "
        "region.",
        masks.Fields()},
-      {"features", "Keypoints of the left images and their partners in the right ones.",
+      {"features", "Keypoints of the left images and their stereo matches in the right ones.",
        features.Fields()},
       {"odometry", "Motion from frame to keyframe.", odometry.Fields()},
       {"matching", "Verified correspondences between keyframes.", matching.Fields()},

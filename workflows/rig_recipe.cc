@@ -15,7 +15,7 @@ StageGraph RigRecipe(const Dataset& data, const DatasetContent& data_content,
   StageGraph g;
   const auto [dataset, content, truth, colmap] = AddPartInputs(g, data, data_content, o.colmap);
 
-  // images -> keypoints with stereo partners -> metric motion from frame to keyframe
+  // images -> keypoints with stereo matches -> metric motion from frame to keyframe
   const auto found = g.AddStage(Features(), Reading(o.features, o.masks), dataset, content);
   const auto features = g.AddView(OpenFeatures, found);
   const auto odometry = g.AddStage(VisualOdometry(), Reading(o.odometry), dataset, features);
@@ -29,16 +29,16 @@ StageGraph RigRecipe(const Dataset& data, const DatasetContent& data_content,
       Mapping(),
       Reading(mapping_ways, o.mapping, o.matching.verification, o.scale, o.gates.mapping), colmap,
       dataset, odometry, matches, graph);
-  const auto placed = g.AddStage(Scale(), Reading(), odometry, graph, models);
+  const auto aligned = g.AddStage(Scale(), Reading(), odometry, graph, models);
 
   // one pose per frame, the rig held -> trajectory and sparse model
   const InTurn starts{StartingFrom::kMapping, StartingFrom::kOdometry};
   const auto adjusted =
       g.AddStage(RigAdjustment(), Reading(starts, o.adjustment, o.odometry, o.gates.adjustment),
-                 dataset, features, odometry, matches, graph, placed);
+                 dataset, features, odometry, matches, graph, aligned);
   g.AddCheck(AdjustedGates(),
              Reading(o.gates.mapping, o.gates.poses, o.gates.adjustment, o.gates.calibration),
-             dataset, found, graph, placed, adjusted);
+             dataset, found, graph, aligned, adjusted);
   const auto posed = g.AddView(PosedByAdjustment, dataset, adjusted);
 
   // depth of the keyframes, fused on the poses -> coloured map, judged

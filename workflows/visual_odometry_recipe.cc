@@ -12,7 +12,7 @@ StageGraph VisualOdometryRecipe(const Dataset& data, const DatasetContent& data_
   StageGraph g;
   const auto [dataset, content, truth, colmap] = AddPartInputs(g, data, data_content, o.colmap);
 
-  // images -> keypoints with stereo partners -> metric motion from frame to keyframe
+  // images -> keypoints with stereo matches -> metric motion from frame to keyframe
   const auto found = g.AddStage(Features(), Reading(o.features, o.masks), dataset, content);
   const auto features = g.AddView(OpenFeatures, found);
   const auto odometry = g.AddStage(VisualOdometry(), Reading(o.odometry), dataset, features);

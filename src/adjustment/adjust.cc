@@ -97,9 +97,9 @@ class Adjuster {
     double extent_m = 0.0;
     for (const auto& pose : bundle_.left_from_world) {
       if (!pose) continue;
-      const Eigen::Vector3d place = pose->Inverse().translation;
-      if (!first) first = place;
-      extent_m = std::max(extent_m, (place - *first).norm());
+      const Eigen::Vector3d position = pose->Inverse().translation;
+      if (!first) first = position;
+      extent_m = std::max(extent_m, (position - *first).norm());
     }
     return extent_m;
   }
@@ -184,7 +184,7 @@ class Adjuster {
         1.0 - static_cast<double>(errors.size()) /
                   static_cast<double>(std::max({all, errors.size(), std::size_t{1}}));
     result.covariances = InflatedCovariances(system);
-    result.anchors = std::move(system.anchors);
+    result.datum_frames = std::move(system.datum_frames);
     result.calibration = system.calibration;
     result.rig = bundle_.rig;
     result.rig_correction = correction_;

@@ -57,8 +57,9 @@ AdjustedPoint Observe(const Track& track, const Correspondences& correspondences
 
 // Triangulates, dropping the worst observation until all that is left agrees; false if that is not
 // to be had.
-bool Place(AdjustedPoint& point, const StereoRig& rig,
-           const std::vector<std::optional<Rigid3>>& left_from_world, double max_error_px) {
+bool TriangulatePoint(AdjustedPoint& point, const StereoRig& rig,
+                      const std::vector<std::optional<Rigid3>>& left_from_world,
+                      double max_error_px) {
   while (SpansFrames(point)) {
     const auto x = Triangulate(Views(point, rig, left_from_world));
     if (!x) return false;
@@ -84,7 +85,7 @@ std::vector<AdjustedPoint> TriangulateTracks(
   std::vector<AdjustedPoint> points;
   for (const Track& track : tracks) {
     AdjustedPoint point = Observe(track, correspondences, rig, left_from_world);
-    if (!Place(point, rig, left_from_world, max_error_px)) continue;
+    if (!TriangulatePoint(point, rig, left_from_world, max_error_px)) continue;
     const Rigid3& first_from_world = *left_from_world[point.observations.front().frame];
     if ((first_from_world * point.x).norm() > max_depth_m) continue;
     points.push_back(std::move(point));

@@ -23,7 +23,8 @@ OptionFields AdjustmentOptions::Fields() {
        "The baseline's length never moves: it is where the metres come from. A corrected rig is "
        "written to rig_refined.yaml and can serve as --rig."},
       {"refine_sigmas", &refine_sigmas, "sigmas", MoreThan(0.0),
-       "How many of its sigmas, grown by shared_noise, a parameter must be off before refine_rig "
+       "How many of its sigmas, inflated by shared_noise, a parameter must be off before "
+       "refine_rig "
        "auto corrects the rig. With shared_noise 2 these are eight of the sigmas that residuals "
        "alone give."},
       {"rig_prior_deg", &rig_prior_deg, "degrees", MoreThan(0.0),

@@ -7,7 +7,7 @@
 #include <limits>
 
 #include "adjustment/adjusted_points.h"
-#include "adjustment/anchor_frames.h"
+#include "adjustment/datum_frames.h"
 #include "adjustment/reprojection.h"
 #include "adjustment/reprojection_cost.h"
 
@@ -70,13 +70,13 @@ class BundleProblem {
   }
 
   void AddFrames() {
-    const std::vector<int> anchors = AnchorFrames(bundle_.points, frames_.size());
+    const std::vector<int> datum_frames = DatumFrames(bundle_.points, frames_.size());
     for (std::size_t i = 0; i < frames_.size(); ++i) {
       double* frame = frames_[i].data();
       if (!problem_.HasParameterBlock(frame)) continue;
       problem_.SetManifold(frame, frame_manifold_.get());
       ordering_->AddElementToGroup(frame, 1);
-      if (anchors[i] == static_cast<int>(i)) problem_.SetParameterBlockConstant(frame);
+      if (datum_frames[i] == static_cast<int>(i)) problem_.SetParameterBlockConstant(frame);
     }
   }
 

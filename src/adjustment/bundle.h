@@ -19,8 +19,8 @@ struct Bundle {
 // 103 pairs are the same from here to 1e-8.
 inline constexpr double kFineTolerance = 1e-7;
 
-// Moves poses and points to the least sum of Huber's loss over all observations. Anchors
-// (AnchorFrames) and the rig are held. Residuals beyond `huber_px` are weighted down.
+// Moves poses and points to the least sum of Huber's loss over all observations. Datum frames
+// (DatumFrames) and the rig are held. Residuals beyond `huber_px` are weighted down.
 void SolveBundle(double huber_px, double function_tolerance, Bundle& bundle);
 
 // Distance (px) of each observation from its point's image, point by point; infinite behind an eye.

@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <map>
 
-#include "adjustment/anchor_frames.h"
 #include "adjustment/calibration.h"
+#include "adjustment/datum_frames.h"
 #include "adjustment/reprojection.h"
 #include "adjustment/score_clusters.h"
 #include "adjustment/selected_inverse.h"
@@ -25,10 +25,10 @@ using PosePoint = Eigen::Matrix<double, 6, 3>;
 // Blocks of the reduced system. Frames are numbered in the order in which they were first met.
 class ReducedSystem {
  public:
-  explicit ReducedSystem(std::vector<int> anchors)
-      : anchors_(std::move(anchors)), unknown_(anchors_.size(), -1) {
-    for (std::size_t i = 0; i < anchors_.size(); ++i) {
-      if (anchors_[i] == static_cast<int>(i)) unknown_[i] = kFixed;
+  explicit ReducedSystem(std::vector<int> datum_frames)
+      : datum_frames_(std::move(datum_frames)), unknown_(datum_frames_.size(), -1) {
+    for (std::size_t i = 0; i < datum_frames_.size(); ++i) {
+      if (datum_frames_[i] == static_cast<int>(i)) unknown_[i] = kFixed;
     }
   }
 
@@ -131,7 +131,7 @@ class ReducedSystem {
   void SolveCalibration(const Factor& factor, const std::vector<std::optional<Rigid3>>& poses,
                         CameraSystemResult& result) const;
 
-  std::vector<int> anchors_;
+  std::vector<int> datum_frames_;
   std::vector<int> unknown_;
   ScoreClusters clusters_;
   double coordinates_ = 0.0, point_unknowns_ = 0.0;
@@ -206,7 +206,7 @@ std::vector<Vector6d> ReducedSystem::Inflations(
 
 CameraSystemResult ReducedSystem::Solve(const std::vector<std::optional<Rigid3>>& poses) const {
   CameraSystemResult result;
-  result.anchors = anchors_;
+  result.datum_frames = datum_frames_;
   result.covariances.assign(poses.size(), Matrix6d::Zero());
   result.inflations.assign(poses.size(), Vector6d::Ones());
   const int unknowns = static_cast<int>(pose_shared_.size());
@@ -260,7 +260,7 @@ void ReducedSystem::SolveCalibration(const Factor& factor,
 CameraSystemResult SolveCameraSystem(const std::vector<AdjustedPoint>& points,
                                      const std::vector<std::optional<Rigid3>>& left_from_world,
                                      const StereoRig& rig, double noise_px, double huber_px) {
-  ReducedSystem system(AnchorFrames(points, left_from_world.size()));
+  ReducedSystem system(DatumFrames(points, left_from_world.size()));
   for (const AdjustedPoint& point : points) {
     system.AddPoint(point, left_from_world, rig, noise_px, huber_px);
   }

@@ -11,11 +11,11 @@ namespace rigmap {
 
 struct CameraSystemResult {
   // Per frame, the frame whose pose was fixed for it: the first of those that it hangs together
-  // with (AnchorFrames); itself for the fixed frames and those without points.
-  std::vector<int> anchors;
-  // Of world_from_left relative to the frame's anchor, in the axes of the adjustment's world:
-  // translation (m), then rotation (rad). Zero for anchors; 1e6 on the diagonal where the system is
-  // singular. As if all observations were independent.
+  // with (DatumFrames); itself for the fixed frames and those without points.
+  std::vector<int> datum_frames;
+  // Of world_from_left relative to the frame's datum frame, in the axes of the adjustment's world:
+  // translation (m), then rotation (rad). Zero for datum frames; 1e6 on the diagonal where the
+  // system is singular. As if all observations were independent.
   std::vector<Matrix6d> covariances;
   // Per frame, by how much sigmas grow, along and about the left camera's axes, because residuals
   // of one track go together (ScoreClusters): at least 1. Noise that all observations of a frame
@@ -24,7 +24,7 @@ struct CameraSystemResult {
   // What the part says of the calibration that was held; nothing where the system is singular.
   std::optional<CalibrationEquations> calibration;
   // Per frame, d(world_from_left)/d(calibration), as the adjusted pose follows it: translation (m)
-  // and rotation in world axes. Zero for anchors; empty without calibration.
+  // and rotation in world axes. Zero for datum frames; empty without calibration.
   std::vector<Eigen::Matrix<double, 6, kCalibrationSize>> by_calibration;
 };
 

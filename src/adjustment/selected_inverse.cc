@@ -68,13 +68,13 @@ std::vector<Matrix6d> InverseDiagonalBlocks(
   const SparseFactor lower = factor.matrixL().nestedExpression();
   const SelectedInverse inverse(lower, factor.vectorD());
   const auto& order = factor.permutationP().indices();
-  const auto place = [&](int row) { return order.size() > 0 ? order(row) : row; };
+  const auto permuted = [&](int row) { return order.size() > 0 ? order(row) : row; };
   std::vector<Matrix6d> blocks(static_cast<std::size_t>(lower.cols() / 6));
   for (std::size_t i = 0; i < blocks.size(); ++i) {
     const int first = 6 * static_cast<int>(i);
     for (int r = 0; r < 6; ++r) {
       for (int c = 0; c < 6; ++c) {
-        blocks[i](r, c) = inverse.At(place(first + r), place(first + c));
+        blocks[i](r, c) = inverse.At(permuted(first + r), permuted(first + c));
       }
     }
   }

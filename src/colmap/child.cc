@@ -52,31 +52,31 @@ class ExecArguments {
   std::vector<char*> arguments_, environment_;
 };
 
-struct ChildPlace {
+struct ChildContext {
   pid_t parent, group;
   int input, output, failure;  // descriptors
 };
 
 // In the child.
-[[noreturn]] void Fail(const ChildPlace& place) {
+[[noreturn]] void Fail(const ChildContext& context) {
   const int reason = errno;
-  [[maybe_unused]] const ssize_t written = write(place.failure, &reason, sizeof(reason));
+  [[maybe_unused]] const ssize_t written = write(context.failure, &reason, sizeof(reason));
   _exit(127);
 }
 
 // In the child. Does not return: either exec succeeds or its errno goes through the failure pipe.
-[[noreturn]] void BecomeProgram(const ExecArguments& exec, const ChildPlace& place) {
+[[noreturn]] void BecomeProgram(const ExecArguments& exec, const ChildContext& context) {
   prctl(PR_SET_PDEATHSIG, SIGKILL);
-  if (getppid() != place.parent) _exit(127);  // the parent died before the request was made
-  if (setpgid(0, place.group) != 0) Fail(place);
+  if (getppid() != context.parent) _exit(127);  // the parent died before the request was made
+  if (setpgid(0, context.group) != 0) Fail(context);
   sigset_t none;
   sigemptyset(&none);
   sigprocmask(SIG_SETMASK, &none, nullptr);
-  dup2(place.input, STDIN_FILENO);
-  dup2(place.output, STDOUT_FILENO);
-  dup2(place.output, STDERR_FILENO);
+  dup2(context.input, STDIN_FILENO);
+  dup2(context.output, STDOUT_FILENO);
+  dup2(context.output, STDERR_FILENO);
   exec.Exec();
-  Fail(place);
+  Fail(context);
 }
 
 // Whoever started us may have had ended children forgotten at once; we want to hear how they ended.
@@ -159,11 +159,11 @@ Child StartChild(const ProcessRequest& request) {
   const Descriptor input(open("/dev/null", O_RDONLY | O_CLOEXEC));
   HearOfChildren();
   ProcessGroup group(request.program);
-  const ChildPlace place{getpid(), group.Id(), input.Get(), output.write_end.Get(),
-                         failure.write_end.Get()};
+  const ChildContext context{getpid(), group.Id(), input.Get(), output.write_end.Get(),
+                             failure.write_end.Get()};
   const pid_t pid = fork();
   if (pid < 0) throw CannotStart(request.program);
-  if (pid == 0) BecomeProgram(exec, place);
+  if (pid == 0) BecomeProgram(exec, context);
   Child child(pid, std::move(group), std::move(output.read_end));
   failure.write_end.Close();
   if (const auto reason = WaitForExec(failure.read_end.Get())) {

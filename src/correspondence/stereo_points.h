@@ -14,7 +14,7 @@ struct StereoPoint {
   double depth_sigma_m = 0.0;  // along the line of sight
 };
 
-// One entry per feature; nothing where it has no partner or the rays do not meet in front. The
+// One entry per feature; nothing where it has no stereo match or the rays do not meet in front. The
 // sigma is z |x| / (f b) times disparity_noise_px: that of the depth, z^2 / (f b), along the ray.
 std::vector<std::optional<StereoPoint>> TriangulateFeatures(const std::vector<Feature>& features,
                                                             const StereoRig& rig,

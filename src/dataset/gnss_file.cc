@@ -88,10 +88,10 @@ GnssFix Locate(const Row& row) {
   fix.longitude_deg = row.second;
   if (*row.coordinates == Coordinates::kLatitudeFirst) return fix;
   const bool easting_first = *row.coordinates == Coordinates::kEastingFirst;
-  const Geodetic place = FromUtm31(easting_first ? row.first : row.second,
-                                   easting_first ? row.second : row.first, fix.altitude_m);
-  fix.latitude_deg = place.latitude_deg;
-  fix.longitude_deg = place.longitude_deg;
+  const Geodetic position = FromUtm31(easting_first ? row.first : row.second,
+                                      easting_first ? row.second : row.first, fix.altitude_m);
+  fix.latitude_deg = position.latitude_deg;
+  fix.longitude_deg = position.longitude_deg;
   return fix;
 }
 

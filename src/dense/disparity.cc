@@ -34,8 +34,8 @@ cv::Ptr<cv::StereoMatcher> MakeMatcher(int disparities, const DenseOptions& opti
       options.uniqueness_pct, 0, 0, cv::StereoSGBM::MODE_HH);
 }
 
-// OpenCV matches only left pixels whose whole range of partners lies in the image: both views are
-// widened to the left by the range. Result: CV_16S, 1/16 px, not positive where unknown.
+// OpenCV matches only left pixels whose whole range of stereo matches lies in the image: both views
+// are widened to the left by the range. Result: CV_16S, 1/16 px, not positive where unknown.
 cv::Mat RawDisparity(const cv::Mat& left, const cv::Mat& right, int disparities,
                      const DenseOptions& options) {
   cv::Mat wide_left, wide_right, wide;
@@ -66,12 +66,13 @@ double NarrowedRange(const RectifiedPair& pair, double max_disparity_px,
   return std::min(max_disparity_px, kRangeMargin * nearest_px + kCoarseness);
 }
 
-void DropMaskedPartners(const cv::Mat& right_mask, cv::Mat& disparity) {
+void DropMaskedMatches(const cv::Mat& right_mask, cv::Mat& disparity) {
   for (int row = 0; row < disparity.rows; ++row) {
     for (int column = 0; column < disparity.cols; ++column) {
       float& value = disparity.at<float>(row, column);
-      const int partner = cvRound(static_cast<float>(column) - value);
-      if (value > 0.0F && (partner < 0 || right_mask.at<uchar>(row, partner) == 0)) value = 0.0F;
+      const int right_column = cvRound(static_cast<float>(column) - value);
+      if (value > 0.0F && (right_column < 0 || right_mask.at<uchar>(row, right_column) == 0))
+        value = 0.0F;
     }
   }
 }
@@ -84,13 +85,13 @@ cv::Mat MatchDisparity(const RectifiedPair& pair, double max_disparity_px,
   const cv::Rect usable = cv::boundingRect(pair.left_mask);
   if (usable.empty()) return disparity;
   const int disparities = RoundUpToSixteen(NarrowedRange(pair, max_disparity_px, options));
-  // Partners lie to the left of the usable columns, by up to the range.
+  // Stereo matches lie to the left of the usable columns, by up to the range.
   const int first = std::max(0, usable.x - disparities);
   const cv::Rect searched(first, usable.y, usable.x + usable.width - first, usable.height);
   const cv::Mat raw = RawDisparity(pair.left(searched), pair.right(searched), disparities, options);
   raw.convertTo(disparity(searched), CV_32F, 1.0 / kSteps);
   disparity.setTo(0.0, (pair.left_mask == 0) | (disparity < 0.0));
-  DropMaskedPartners(pair.right_mask, disparity);
+  DropMaskedMatches(pair.right_mask, disparity);
   return disparity;
 }
 

@@ -15,9 +15,8 @@ struct RectifiedPair {
 
 // Column in the left view less column in the right, CV_32F, in steps of 1/16 px; 0 where unknown.
 // Searched from 0 to `max_disparity_px`, which is narrowed to what a match at a quarter of the
-// resolution finds. Left out: masked pixels and those whose partner is masked, and what fails the
-// checks of `options`. Method sgm needs 4 bytes per usable pixel and
-// disparity, and one thread.
+// resolution finds. Left out: masked pixels and those whose stereo match is masked, and what fails
+// the checks of `options`. Method sgm needs 4 bytes per usable pixel and disparity, and one thread.
 cv::Mat MatchDisparity(const RectifiedPair& pair, double max_disparity_px,
                        const DenseOptions& options);
 

@@ -27,18 +27,19 @@ constexpr int kIterations = 20;
 // Mean of the lower half of a tile's cells: a point of the ground even where a rock covers less
 // than half of the tile, and on the plane whatever its slope.
 std::optional<Eigen::Vector3d> LowerHalf(const TileIndex& tile, const HeightTile& cells) {
-  std::vector<Eigen::Vector3d> places;
+  std::vector<Eigen::Vector3d> positions;
   for (std::size_t i = 0; i < cells.size(); ++i) {
     if (cells[i].points == 0) continue;
     const Eigen::Vector2d centre = CentreOf(CellOfTile(tile, i));
-    places.emplace_back(centre.x(), centre.y(), cells[i].mean_m);
+    positions.emplace_back(centre.x(), centre.y(), cells[i].mean_m);
   }
-  if (places.size() < kMinCells) return std::nullopt;
-  const auto half = static_cast<std::ptrdiff_t>(places.size() / 2);
-  std::nth_element(places.begin(), places.begin() + half, places.end(),
+  if (positions.size() < kMinCells) return std::nullopt;
+  const auto half = static_cast<std::ptrdiff_t>(positions.size() / 2);
+  std::nth_element(positions.begin(), positions.begin() + half, positions.end(),
                    [](const auto& a, const auto& b) { return a.z() < b.z(); });
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-  std::for_each(places.begin(), places.begin() + half, [&](const auto& place) { sum += place; });
+  std::for_each(positions.begin(), positions.begin() + half,
+                [&](const auto& position) { sum += position; });
   return sum / static_cast<double>(half);
 }
 
@@ -95,11 +96,11 @@ double GroundLevel::Plane::At(const Eigen::Vector2d& x_in_world) const {
 GroundLevel::GroundLevel(const HeightGrid& grid) {
   std::map<TileIndex, Eigen::Vector3d> low;
   for (const auto& [tile, cells] : grid.tiles()) {
-    if (const auto place = LowerHalf(tile, cells)) low.emplace(tile, *place);
+    if (const auto position = LowerHalf(tile, cells)) low.emplace(tile, *position);
   }
   std::vector<WindowPoint> points;
-  for (const auto& [tile, place] : low) {
-    Plane plane{.centre = place.head<2>()};
+  for (const auto& [tile, position] : low) {
+    Plane plane{.centre = position.head<2>()};
     points.clear();
     for (int dx = -kWindowTiles; dx <= kWindowTiles; ++dx) {
       for (int dy = -kWindowTiles; dy <= kWindowTiles; ++dy) {

@@ -16,14 +16,14 @@ namespace {
 constexpr double kBody_m = 0.15;  // half the height of a small rock
 constexpr int kMinFrames = 2;     // a place that fewer see is not kept in a map
 
-Eigen::Vector2d PlaceInPlane(const GridPosition& position, const LocalFrame& plane) {
+Eigen::Vector2d PositionInPlane(const GridPosition& position, const LocalFrame& plane) {
   if (position.epsg != kUtm31Epsg) {
     throw DataError(fmt::format("surveyed rocks: expected positions in EPSG:{}, found EPSG:{}",
                                 kUtm31Epsg, position.epsg));
   }
-  const Geodetic place =
+  const Geodetic geodetic =
       FromUtm31(position.easting_m, position.northing_m, plane.origin().altitude_m);
-  return plane.ToEnu(place).head<2>();
+  return plane.ToEnu(geodetic).head<2>();
 }
 
 bool IsSeen(const Eigen::Vector3d& x_in_world, const TimedPose& pose, const StereoRig& rig,
@@ -87,8 +87,8 @@ int Match(const std::vector<SegmentedRock>& rocks, const Rigid2& plane_from_worl
   std::vector<Candidate> candidates;
   for (std::size_t i = 0; i < rows.size(); ++i) {
     for (std::size_t j = 0; j < rocks.size(); ++j) {
-      const Eigen::Vector2d place = plane_from_world * rocks[j].centre;
-      const double distance_m = (place - rows[i].place_in_plane).norm();
+      const Eigen::Vector2d position = plane_from_world * rocks[j].centre;
+      const double distance_m = (position - rows[i].position_in_plane).norm();
       if (distance_m <= rows[i].limit_m) candidates.push_back({i, j, distance_m});
     }
   }
@@ -99,7 +99,7 @@ int Match(const std::vector<SegmentedRock>& rocks, const Rigid2& plane_from_worl
     if (row.found || taken[candidate.rock]) continue;
     taken[candidate.rock] = true;
     row.found = rocks[candidate.rock];
-    row.offset_m = plane_from_world * row.found->centre - row.place_in_plane;
+    row.offset_m = plane_from_world * row.found->centre - row.position_in_plane;
   }
   return static_cast<int>(std::ranges::count(taken, true));
 }
@@ -133,15 +133,15 @@ double RockSurveyOptions::HalfWidth(std::string_view kind) const {
 }
 
 RockSurvey CompareWithSurvey(const RockSegmentation& map, const RoverViews& views,
-                             const PlacedSurvey& survey, const RockSurveyOptions& options) {
+                             const AlignedSurvey& survey, const RockSurveyOptions& options) {
   RequireValid(options);
   const RtkAlignment& alignment = survey.alignment;
   const LocalFrame plane(alignment.plane_origin);
   const Rigid2 world_from_plane = alignment.plane_from_world.Inverse();
   std::vector<SurveyRow> rows;
   for (const SurveyedLandmark& rock : survey.rocks) {
-    SurveyRow row{.surveyed = rock, .place_in_plane = PlaceInPlane(rock.position, plane)};
-    const double sigma_m = alignment.SigmaAt(world_from_plane * row.place_in_plane);
+    SurveyRow row{.surveyed = rock, .position_in_plane = PositionInPlane(rock.position, plane)};
+    const double sigma_m = alignment.SigmaAt(world_from_plane * row.position_in_plane);
     row.limit_m = MatchLimit(rock, sigma_m, options);
     rows.push_back(row);
   }
@@ -149,8 +149,8 @@ RockSurvey CompareWithSurvey(const RockSegmentation& map, const RoverViews& view
   result.segmented = static_cast<int>(map.rocks.size());
   result.unknown = result.segmented - Match(map.rocks, alignment.plane_from_world, rows);
   for (const SurveyRow& row : rows) {
-    const Eigen::Vector2d place = world_from_plane * row.place_in_plane;
-    if (!ShouldShow(place, row.surveyed.kind, views, map.ground, options)) continue;
+    const Eigen::Vector2d position = world_from_plane * row.position_in_plane;
+    if (!ShouldShow(position, row.surveyed.kind, views, map.ground, options)) continue;
     result.found += row.found ? 1 : 0;
     result.rows.push_back(row);
   }

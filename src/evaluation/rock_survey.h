@@ -37,10 +37,10 @@ struct RockSurveyOptions {
 
 struct SurveyRow {
   SurveyedLandmark surveyed;
-  Eigen::Vector2d place_in_plane = Eigen::Vector2d::Zero();  // surveyed; east, north, m
+  Eigen::Vector2d position_in_plane = Eigen::Vector2d::Zero();  // surveyed; east, north, m
   double limit_m = 0.0;                // how far from there a rock was looked for
   std::optional<SegmentedRock> found;  // nothing: not in the map
-  // East and north from the surveyed place to the middle of what the map shows, m. Where found.
+  // East and north from the surveyed position to the middle of what the map shows, m. Where found.
   Eigen::Vector2d offset_m = Eigen::Vector2d::Zero();
 };
 
@@ -58,7 +58,7 @@ struct RoverViews {
 };
 
 // The surveyed rocks and the plane they are compared in. Kept by reference.
-struct PlacedSurvey {
+struct AlignedSurvey {
   std::span<const SurveyedLandmark> rocks;
   const RtkAlignment& alignment;
 };
@@ -68,7 +68,7 @@ struct PlacedSurvey {
 // hides behind another counts as well. Throws UsageError for options out of range, DataError for
 // positions on another grid than UTM 31N.
 RockSurvey CompareWithSurvey(const RockSegmentation& map, const RoverViews& views,
-                             const PlacedSurvey& survey, const RockSurveyOptions& options = {});
+                             const AlignedSurvey& survey, const RockSurveyOptions& options = {});
 
 // Keys of evaluation.json, lengths in metres: expected, found, segmented, unknown, and `each`:
 // size, easting, northing, found, and where found east, north, distance, height, width.

@@ -61,7 +61,7 @@ double EpipolarSearch::Correlation(const cv::Point& source_at, const cv::Point& 
   return (product - sum_a * sum_b / kArea) / std::sqrt(variance_a * variance_b);
 }
 
-std::optional<EpipolarPlace> EpipolarSearch::Find(const Eigen::Vector2d& pixel,
+std::optional<EpipolarMatch> EpipolarSearch::Find(const Eigen::Vector2d& pixel,
                                                   const Range& range) const {
   const auto reduced = [&](const Eigen::Vector2d& full) {
     return Eigen::Vector2d((full.array() + 0.5) / reduction_ - 0.5);
@@ -82,7 +82,7 @@ std::optional<EpipolarPlace> EpipolarSearch::Find(const Eigen::Vector2d& pixel,
   const int band = static_cast<int>(std::ceil(range.band_px / reduction_));
 
   std::vector<float> best_at_step(steps + 1, -1.0F);
-  EpipolarPlace best;
+  EpipolarMatch best;
   int best_step = -1;
   for (int step = 0; step <= steps; ++step) {
     const double inverse_depth = range.max_inverse_depth * step / steps;
@@ -97,9 +97,9 @@ std::optional<EpipolarPlace> EpipolarSearch::Find(const Eigen::Vector2d& pixel,
       best.correlation = correlation;
       best.inverse_depth = inverse_depth;
       // The rounding of both windows belongs to the place found.
-      const Eigen::Vector2d place =
+      const Eigen::Vector2d position =
           Eigen::Vector2d(at.x, at.y) + reduced(pixel) - Eigen::Vector2d(source_at.x, source_at.y);
-      best.pixel = (place.array() + 0.5) * reduction_ - 0.5;
+      best.pixel = (position.array() + 0.5) * reduction_ - 0.5;
     }
   }
   if (best_step < 0) return std::nullopt;

@@ -9,7 +9,7 @@
 
 namespace rigmap {
 
-struct EpipolarPlace {
+struct EpipolarMatch {
   Eigen::Vector2d pixel;       // in the target image, full resolution, to about one search pixel
   double inverse_depth = 0.0;  // 1/m, along the source camera's z
   double correlation = 0.0;    // zero-mean normalised
@@ -31,7 +31,7 @@ class EpipolarSearch {
   EpipolarSearch(Side source, Side target, const Rigid3& target_from_source, int reduction);
 
   // `pixel` is full resolution. Nothing where the window leaves the image.
-  std::optional<EpipolarPlace> Find(const Eigen::Vector2d& pixel, const Range& range) const;
+  std::optional<EpipolarMatch> Find(const Eigen::Vector2d& pixel, const Range& range) const;
 
   // Where a point seen at `normalised` at 1 / inverse_depth appears in the target.
   Eigen::Vector2d Transfer(const Eigen::Vector2d& normalised, double inverse_depth) const;

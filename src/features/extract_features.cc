@@ -5,7 +5,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "features/keypoints.h"
-#include "features/stereo_partners.h"
+#include "features/stereo_matches.h"
 #include "imaging/image.h"
 
 namespace rigmap {
@@ -66,12 +66,13 @@ FrameFeatures ExtractFeatures(const StereoFrame& frame, const FeatureSetup& setu
   const Keypoints keypoints = DetectKeypoints(left, left_mask, setup.options);
   const StereoImages images{Smooth(left), Smooth(right),
                             UsableMask(right, setup.right_mask, setup.mask_options)};
-  StereoPartners partners = FindStereoPartners(images, setup.rig, keypoints.pixels, setup.options);
+  StereoMatches stereo_matches =
+      FindStereoMatches(images, setup.rig, keypoints.pixels, setup.options);
   result.descriptors = keypoints.descriptors;
-  result.epipolar_errors_px = std::move(partners.epipolar_errors_px);
+  result.epipolar_errors_px = std::move(stereo_matches.epipolar_errors_px);
   result.usable_share = cv::countNonZero(left_mask) / static_cast<double>(left_mask.total());
   for (std::size_t i = 0; i < keypoints.pixels.size(); ++i) {
-    result.features.push_back({keypoints.pixels[i], partners.right[i], keypoints.sizes[i]});
+    result.features.push_back({keypoints.pixels[i], stereo_matches.right[i], keypoints.sizes[i]});
     result.patches.push_back(CutPatch(images.left, keypoints.pixels[i]));
   }
   return result;

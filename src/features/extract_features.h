@@ -1,4 +1,4 @@
-// The stage `features`: a stereo frame becomes keypoints with descriptors and stereo partners.
+// The stage `features`: a stereo frame becomes keypoints with descriptors and stereo matches.
 #pragma once
 
 #include "features/feature_options.h"

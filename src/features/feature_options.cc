@@ -19,18 +19,19 @@ OptionFields FeatureOptions::Fields() {
        "grey level, below which there is only rounding. Dull flat sand then gives six times as "
        "many."},
       {"min_depth_baselines", &min_depth_baselines, "baselines", AtLeast(1.0),
-       "Nearest depth that is searched for stereo partners. At 5 the two views of a patch differ "
+       "Nearest depth that is searched for stereo matches. At 5 the two views of a patch differ "
        "by 11 degrees."},
       {"epipolar_band_px", &epipolar_band_px, "px", AtLeast(0.0).UpTo(20.0),
        "Half height of the band around the epipolar line that is searched. Wide on purpose: a rig "
        "whose rows are off shall show in the gate epipolar_px, not starve the stage of matches."},
       {"min_correlation", &min_correlation, "", MoreThan(0.0).Below(1.0),
-       "Normalised correlation that a stereo partner must reach."},
+       "Normalised correlation that a stereo match must reach."},
       {"min_uniqueness", &min_uniqueness, "", AtLeast(0.0).Below(1.0),
-       "By how much the correlation of a stereo partner must beat that of the second best position "
+       "By how much the correlation of a stereo match must beat that of the second best position "
        "on the line."},
       {"max_epipolar_sigmas", &max_epipolar_sigmas, "robust sigmas", MoreThan(0.0),
-       "Partners further from the epipolar line than this, in sigmas of the frame's own epipolar "
+       "Stereo matches further from the epipolar line than this, in sigmas of the frame's own "
+       "epipolar "
        "errors, and further than 0.5 px, are dropped."},
   };
 }

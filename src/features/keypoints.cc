@@ -48,7 +48,7 @@ std::vector<int> SpreadEvenly(const std::vector<cv::KeyPoint>& keypoints, const 
 }
 
 // SIFT gives a place several times, once per dominant direction; the strongest stays.
-void RemoveSamePlace(std::vector<cv::KeyPoint>& keypoints) {
+void RemoveSamePosition(std::vector<cv::KeyPoint>& keypoints) {
   const auto key = [](const cv::KeyPoint& k) { return std::tie(k.pt.y, k.pt.x); };
   std::sort(keypoints.begin(), keypoints.end(), [&](const auto& a, const auto& b) {
     return std::tuple_cat(key(a), std::tie(b.response, a.angle)) <
@@ -92,7 +92,7 @@ std::vector<cv::KeyPoint> Detect(const cv::Mat& image, const cv::Mat& mask, int 
   std::vector<cv::KeyPoint> found;
   sift.detect(image, found);
   RemoveMasked(found, mask, reduction);
-  RemoveSamePlace(found);
+  RemoveSamePosition(found);
   return found;
 }
 

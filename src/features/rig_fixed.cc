@@ -27,10 +27,10 @@ struct Sorted {
 };
 
 Sorted SortByMotion(const FrameFeatures& earlier, const FrameFeatures& later, double reach_px) {
-  std::vector<std::optional<Eigen::Vector2d>> places;
-  for (const Feature& feature : earlier.features) places.emplace_back(feature.left);
+  std::vector<std::optional<Eigen::Vector2d>> positions;
+  for (const Feature& feature : earlier.features) positions.emplace_back(feature.left);
   Sorted sorted;
-  for (const FeatureMatch& match : MatchFeatures(earlier, later, places, reach_px, {})) {
+  for (const FeatureMatch& match : MatchFeatures(earlier, later, positions, reach_px, {})) {
     const double shift_px = (later.features[match.b].left - earlier.features[match.a].left).norm();
     if (shift_px <= kRestingPx) sorted.resting.push_back(match.a);
     if (shift_px >= kMovingPx) sorted.moving.push_back(match.a);

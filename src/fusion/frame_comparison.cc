@@ -15,12 +15,12 @@ FrameComparison CompareWith(std::size_t reference, std::span<const Rigid3> world
     return world_from_left[i].rotation * Eigen::Vector3d::UnitZ();
   };
   const Eigen::Vector3d own_forward = forward(reference);
-  const Eigen::Vector3d own_place = world_from_left[reference].translation;
+  const Eigen::Vector3d own_position = world_from_left[reference].translation;
   const double least_cosine = std::cos(options.max_neighbour_angle_deg * std::numbers::pi / 180.0);
   std::vector<std::pair<double, std::size_t>> by_distance;
   for (std::size_t i = 0; i < world_from_left.size(); ++i) {
     if (i == reference || own_forward.dot(forward(i)) < least_cosine) continue;
-    by_distance.emplace_back((world_from_left[i].translation - own_place).norm(), i);
+    by_distance.emplace_back((world_from_left[i].translation - own_position).norm(), i);
   }
   std::sort(by_distance.begin(), by_distance.end());
   FrameComparison found;
@@ -31,7 +31,7 @@ FrameComparison CompareWith(std::size_t reference, std::span<const Rigid3> world
       continue;
     }
     if (found.ahead.size() == static_cast<std::size_t>(options.ahead)) break;
-    if ((world_from_left[i].translation - own_place).dot(own_forward) <= 0.0) continue;
+    if ((world_from_left[i].translation - own_position).dot(own_forward) <= 0.0) continue;
     if (rank++ < next) continue;
     found.ahead.push_back(i);
     next = static_cast<int>(std::floor(kGrowth * rank));

@@ -26,20 +26,20 @@ TiledGrid::~TiledGrid() {
   std::filesystem::remove_all(scratch_, ignored);
 }
 
-std::filesystem::path TiledGrid::FileOf(const TileIndex& place) const {
-  return scratch_ / fmt::format("{}_{}", place.first, place.second);
+std::filesystem::path TiledGrid::FileOf(const TileIndex& tile_index) const {
+  return scratch_ / fmt::format("{}_{}", tile_index.first, tile_index.second);
 }
 
-VoxelGrid& TiledGrid::GridAt(const TileIndex& place) {
-  if (last_grid_ && place == last_place_) return *last_grid_;
-  const auto [entry, is_new] = tiles_.try_emplace(place);
+VoxelGrid& TiledGrid::GridAt(const TileIndex& tile_index) {
+  if (last_grid_ && tile_index == last_tile_index_) return *last_grid_;
+  const auto [entry, is_new] = tiles_.try_emplace(tile_index);
   Tile& tile = entry->second;
   if (!tile.grid) {
     tile.grid.emplace(voxel_m_);
-    if (!is_new) tile.grid->Load(FileOf(place));
+    if (!is_new) tile.grid->Load(FileOf(tile_index));
   }
   tile.last_use = ++time_;
-  last_place_ = place;
+  last_tile_index_ = tile_index;
   last_grid_ = &*tile.grid;
   return *last_grid_;
 }
@@ -71,10 +71,10 @@ void TiledGrid::SetAside() {
 void TiledGrid::Drain(int min_observations, double max_sigma_m,
                       const std::function<void(std::span<const SurfacePoint>)>& take) {
   last_grid_ = nullptr;
-  for (auto& [place, tile] : tiles_) {
+  for (auto& [tile_index, tile] : tiles_) {
     if (!tile.grid) {
       tile.grid.emplace(voxel_m_);
-      tile.grid->Load(FileOf(place));
+      tile.grid->Load(FileOf(tile_index));
     }
     take(tile.grid->Points(min_observations, max_sigma_m));
     tile.grid.reset();

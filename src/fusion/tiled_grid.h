@@ -41,15 +41,15 @@ class TiledGrid {
     std::uint64_t last_use = 0;
   };
 
-  VoxelGrid& GridAt(const TileIndex& place);
-  std::filesystem::path FileOf(const TileIndex& place) const;
+  VoxelGrid& GridAt(const TileIndex& tile_index);
+  std::filesystem::path FileOf(const TileIndex& tile_index) const;
 
   double voxel_m_;
   std::filesystem::path scratch_;
   std::size_t most_voxels_;
   std::map<TileIndex, Tile> tiles_;
   std::uint64_t time_ = 0;
-  TileIndex last_place_;
+  TileIndex last_tile_index_;
   VoxelGrid* last_grid_ = nullptr;
 };
 

@@ -7,7 +7,7 @@
 
 #include "adjustment/calibration.h"
 #include "core/statistics.h"
-#include "features/stereo_partners.h"
+#include "features/stereo_matches.h"
 #include "gates/gates.h"
 
 namespace rigmap {

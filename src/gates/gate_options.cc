@@ -58,7 +58,7 @@ OptionFields AdjustmentGateOptions::Fields() {
 OptionFields CalibrationGateOptions::Fields() {
   return {
       {"epipolar_px", &epipolar_px, "px", MoreThan(0.0),
-       "Median distance of stereo partners from their epipolar line. Good real rigs have up to "
+       "Median distance of stereo matches from their epipolar line. Good real rigs have up to "
        "0.6. A row that is off by a pixel is a pitch of 0.07 degrees at 840 px."},
       {"rig_refinement_sigmas", &rig_refinement_sigmas, "sigmas", MoreThan(0.0),
        "Largest correction of the rig by the adjustment, in sigmas of its prior "

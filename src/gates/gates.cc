@@ -118,11 +118,11 @@ void JudgeMotion(const GateInputs& inputs, const AdjustmentGateOptions& options,
             gates);
 }
 
-std::optional<MappedShape> ShapeOf(const PlacedKeyframes* placed) {
-  if (!placed) return std::nullopt;
+std::optional<MappedShape> ShapeOf(const AlignedKeyframes* aligned) {
+  if (!aligned) return std::nullopt;
   std::vector<BaselineScale> scales;
-  for (const PlacedModel& model : placed->models) scales.push_back(model.scale);
-  const auto& poses = placed->world_from_left;
+  for (const AlignedModel& model : aligned->models) scales.push_back(model.scale);
+  const auto& poses = aligned->world_from_left;
   const auto posed =
       std::ranges::count_if(poses, [](const auto& pose) { return pose.has_value(); });
   return ShapeOf(scales, static_cast<std::size_t>(posed), poses.size());
@@ -196,7 +196,7 @@ Gates JudgePoses(const GateInputs& inputs, const PoseGateOptions& options) {
 }
 
 Gates JudgePart(const GateInputs& inputs, const GateOptions& options) {
-  Gates gates = JudgeMapping(ShapeOf(inputs.placed), options.mapping);
+  Gates gates = JudgeMapping(ShapeOf(inputs.aligned), options.mapping);
   for (const Gates& more :
        {JudgePoses(inputs, options.poses), JudgeAdjustment(inputs, options.adjustment),
         JudgeCalibration(inputs, options.calibration)}) {

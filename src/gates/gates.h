@@ -7,10 +7,10 @@
 
 #include "gates/gate_options.h"
 #include "scene/adjustment.h"
+#include "scene/aligned_keyframes.h"
 #include "scene/features.h"
 #include "scene/gate.h"
 #include "scene/odometry.h"
-#include "scene/placed_keyframes.h"
 #include "scene/rig.h"
 
 namespace rigmap {
@@ -21,7 +21,7 @@ struct GateInputs {
   const Odometry& odometry;
   const Adjustment& adjustment;
   const Trajectory& trajectory;
-  const PlacedKeyframes* placed = nullptr;
+  const AlignedKeyframes* aligned = nullptr;
   std::vector<float> epipolar_px;  // median absolute error of each frame
 };
 

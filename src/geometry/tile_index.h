@@ -20,8 +20,8 @@ inline std::int64_t TileAlong(double coordinate, double size) {
   return static_cast<std::int64_t>(std::fmax(-kOutermost, std::fmin(tile, kOutermost)));
 }
 
-inline TileIndex TileAt(const Eigen::Vector2d& place, double size) {
-  return {TileAlong(place.x(), size), TileAlong(place.y(), size)};
+inline TileIndex TileAt(const Eigen::Vector2d& position, double size) {
+  return {TileAlong(position.x(), size), TileAlong(position.y(), size)};
 }
 
 // The tile, `cells` cells wide, that holds a cell: rounds towards minus infinity.

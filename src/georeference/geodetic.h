@@ -10,6 +10,6 @@ struct Geodetic {
 };
 
 // Throws DataError unless all three are finite and the latitude lies within 90 degrees.
-void RequireValid(const Geodetic& place);
+void RequireValid(const Geodetic& position);
 
 }  // namespace rigmap

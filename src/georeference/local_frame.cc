@@ -22,11 +22,11 @@ LocalFrame::~LocalFrame() = default;
 LocalFrame::LocalFrame(LocalFrame&&) noexcept = default;
 LocalFrame& LocalFrame::operator=(LocalFrame&&) noexcept = default;
 
-Eigen::Vector3d LocalFrame::ToEnu(const Geodetic& place) const {
-  RequireValid(place);
+Eigen::Vector3d LocalFrame::ToEnu(const Geodetic& position) const {
+  RequireValid(position);
   Eigen::Vector3d enu;
-  impl_->cartesian.Forward(place.latitude_deg, place.longitude_deg, place.altitude_m, enu.x(),
-                           enu.y(), enu.z());
+  impl_->cartesian.Forward(position.latitude_deg, position.longitude_deg, position.altitude_m,
+                           enu.x(), enu.y(), enu.z());
   return enu;
 }
 
@@ -35,10 +35,10 @@ Geodetic LocalFrame::ToGeodetic(const Eigen::Vector3d& enu) const {
     throw DataError(fmt::format("expected finite metres east, north and up, found {}, {}, {}",
                                 enu.x(), enu.y(), enu.z()));
   }
-  Geodetic place;
-  impl_->cartesian.Reverse(enu.x(), enu.y(), enu.z(), place.latitude_deg, place.longitude_deg,
-                           place.altitude_m);
-  return place;
+  Geodetic position;
+  impl_->cartesian.Reverse(enu.x(), enu.y(), enu.z(), position.latitude_deg, position.longitude_deg,
+                           position.altitude_m);
+  return position;
 }
 
 }  // namespace rigmap

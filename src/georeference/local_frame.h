@@ -20,7 +20,7 @@ class LocalFrame {
   LocalFrame& operator=(LocalFrame&&) noexcept;
 
   // Metres. Throws DataError as RequireValid does.
-  Eigen::Vector3d ToEnu(const Geodetic& place) const;
+  Eigen::Vector3d ToEnu(const Geodetic& position) const;
   // Longitude within -180 and 180. Throws DataError unless `enu` (metres) is finite.
   Geodetic ToGeodetic(const Eigen::Vector3d& enu) const;
 

@@ -45,7 +45,7 @@ std::vector<PlanePair> PathFitter::PairsAt(double clock_offset_s) const {
   for (const PlaneFix& fix : fixes_) {
     const double time_s = fix.time_s - clock_offset_s;
     if (const auto antenna = path_.At(time_s)) {
-      pairs.push_back({*antenna, fix.place, fix.sigma, path_.VelocityAt(time_s)});
+      pairs.push_back({*antenna, fix.position, fix.sigma, path_.VelocityAt(time_s)});
     }
   }
   return pairs;

@@ -13,8 +13,8 @@ namespace rigmap {
 
 // A measured place of the antenna, metres of the plane.
 struct PlaneFix {
-  double time_s = 0.0;           // by the receiver's clock, since the path's first pose
-  Eigen::Vector2d place, sigma;  // each axis; sigma positive
+  double time_s = 0.0;              // by the receiver's clock, since the path's first pose
+  Eigen::Vector2d position, sigma;  // each axis; sigma positive
 };
 
 struct PathFit {

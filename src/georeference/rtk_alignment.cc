@@ -140,7 +140,7 @@ RtkFit AlignToRtk(std::span<const GnssFix> fixes, const Trajectory& trajectory,
     return {std::nullopt, "expected RTK fixes and a path, found none"};
   }
   const LocalFrame plane(*origin);
-  std::vector<PlaneFix> placed;
+  std::vector<PlaneFix> fixes_in_plane;
   std::vector<double> others_s;
   for (const GnssFix& fix : fixes) {
     const double time_s = path.SecondsOf(fix.stamp_ns);
@@ -149,9 +149,10 @@ RtkFit AlignToRtk(std::span<const GnssFix> fixes, const Trajectory& trajectory,
       continue;
     }
     const Eigen::Vector3d enu = plane.ToEnu({fix.latitude_deg, fix.longitude_deg, fix.altitude_m});
-    placed.push_back({time_s, enu.head<2>(), fix.sigma_enu_m.head<2>().cwiseMax(kMinSigma_m)});
+    fixes_in_plane.push_back(
+        {time_s, enu.head<2>(), fix.sigma_enu_m.head<2>().cwiseMax(kMinSigma_m)});
   }
-  RtkFit fit = FitMotionAndClock(PathFitter(path, std::move(placed)), *origin, options);
+  RtkFit fit = FitMotionAndClock(PathFitter(path, std::move(fixes_in_plane)), *origin, options);
   if (!fit.alignment) return fit;
   fit.alignment->rejected += static_cast<int>(std::ranges::count_if(others_s, [&](double time_s) {
     return path.At(time_s - fit.alignment->clock_offset_s).has_value();

@@ -24,16 +24,16 @@ bool WithinReach(double longitude_deg) {
 
 }  // namespace
 
-UtmPoint ToUtm31(const Geodetic& place) {
-  RequireValid(place);
-  if (!WithinReach(place.longitude_deg)) {
+UtmPoint ToUtm31(const Geodetic& position) {
+  RequireValid(position);
+  if (!WithinReach(position.longitude_deg)) {
     throw DataError(fmt::format("expected a longitude within {} degrees of 3 for UTM 31, found {}",
-                                kReach_deg, place.longitude_deg));
+                                kReach_deg, position.longitude_deg));
   }
   UtmPoint point;
   double convergence_deg = 0.0;
-  GeographicLib::TransverseMercator::UTM().Forward(kCentralMeridian_deg, place.latitude_deg,
-                                                   place.longitude_deg, point.easting_m,
+  GeographicLib::TransverseMercator::UTM().Forward(kCentralMeridian_deg, position.latitude_deg,
+                                                   position.longitude_deg, point.easting_m,
                                                    point.northing_m, convergence_deg, point.scale);
   point.easting_m += kFalseEasting_m;
   point.convergence_rad = convergence_deg * std::numbers::pi / 180.0;
@@ -43,18 +43,19 @@ UtmPoint ToUtm31(const Geodetic& place) {
 Geodetic FromUtm31(double easting_m, double northing_m, double altitude_m) {
   const double from_meridian_m = easting_m - kFalseEasting_m;
   const bool on_grid = std::abs(from_meridian_m) <= kWidest_m && std::abs(northing_m) <= kPole_m;
-  Geodetic place{0.0, 0.0, altitude_m};
+  Geodetic position{0.0, 0.0, altitude_m};
   if (on_grid) {
-    GeographicLib::TransverseMercator::UTM().Reverse(
-        kCentralMeridian_deg, from_meridian_m, northing_m, place.latitude_deg, place.longitude_deg);
+    GeographicLib::TransverseMercator::UTM().Reverse(kCentralMeridian_deg, from_meridian_m,
+                                                     northing_m, position.latitude_deg,
+                                                     position.longitude_deg);
   }
-  if (!on_grid || !std::isfinite(altitude_m) || !WithinReach(place.longitude_deg)) {
+  if (!on_grid || !std::isfinite(altitude_m) || !WithinReach(position.longitude_deg)) {
     throw DataError(fmt::format(
         "expected easting, northing and altitude of a place within {} degrees of longitude 3, "
         "found {}, {}, {}",
         kReach_deg, easting_m, northing_m, altitude_m));
   }
-  return place;
+  return position;
 }
 
 }  // namespace rigmap

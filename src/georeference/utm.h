@@ -20,7 +20,7 @@ struct UtmPoint {
 
 // Zone 31 whatever the longitude, to nanometres as far as 30 degrees from the central meridian;
 // throws DataError beyond and as RequireValid does.
-UtmPoint ToUtm31(const Geodetic& place);
+UtmPoint ToUtm31(const Geodetic& position);
 
 // The inverse, with the altitude given. Throws DataError for what ToUtm31 cannot have given.
 Geodetic FromUtm31(double easting_m, double northing_m, double altitude_m);

@@ -105,7 +105,7 @@ class PnmNumbers {
     if (at_ == first || at_ == text_.size() || !IsSpace()) return std::nullopt;
     return value;
   }
-  std::int64_t Place() const { return static_cast<std::int64_t>(at_); }
+  std::int64_t Offset() const { return static_cast<std::int64_t>(at_); }
 
  private:
   bool IsSpace() const { return std::isspace(static_cast<unsigned char>(text_[at_])); }
@@ -128,7 +128,7 @@ std::optional<ImageHeader> ReadPnm(Bytes& file) {
   if (kind == '4') row_bytes = (row_samples + 7) / 8;
   if (!is_text && *most > 255) row_bytes *= 2;
   // Nine digits each: a division, since the product may not fit.
-  const bool fits = row_bytes == 0 || (file.size() - numbers.Place() - 1) / row_bytes >= *height;
+  const bool fits = row_bytes == 0 || (file.size() - numbers.Offset() - 1) / row_bytes >= *height;
   return ImageHeader{*width, *height, fits};
 }
 
@@ -155,10 +155,10 @@ class TiffDirectory {
     if ((type != kShort && type != kLong) || !count || index >= *count) return std::nullopt;
     const int byte_count = type == kShort ? 2 : 4;
     // Up to four bytes stand in the entry itself.
-    const auto place = *count * byte_count <= 4 ? std::optional(*entry + 8)
-                                                : file_.Number(*entry + 8, 4, big_endian_);
-    return place ? file_.Number(*place + index * byte_count, byte_count, big_endian_)
-                 : std::nullopt;
+    const auto offset = *count * byte_count <= 4 ? std::optional(*entry + 8)
+                                                 : file_.Number(*entry + 8, 4, big_endian_);
+    return offset ? file_.Number(*offset + index * byte_count, byte_count, big_endian_)
+                  : std::nullopt;
   }
 
  private:

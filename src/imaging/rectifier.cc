@@ -83,7 +83,7 @@ void CutTo(double longest, double& low, double& high) {
 
 // Principal point and length of a view that holds low..high (px from the principal point). Whole
 // pixels away from the left camera's own principal point: a rectified rig is not resampled.
-std::pair<double, int> Place(double own, double low, double high) {
+std::pair<double, int> PrincipalAndLength(double own, double low, double high) {
   constexpr double kRounding = 1e-6;  // px
   const double principal = own + std::ceil(-low - own - kRounding);
   return {principal, static_cast<int>(std::ceil(high + principal - kRounding)) + 1};
@@ -109,9 +109,9 @@ Rectifier::Rectifier(const StereoRig& rig) {
   CutTo(kMaxGrowth * left.height / focal, bounds.low.y(), bounds.high.y());
   camera_.fx = camera_.fy = focal;
   std::tie(camera_.cx, camera_.width) =
-      Place(left.cx, focal * bounds.low.x(), focal * bounds.high.x());
+      PrincipalAndLength(left.cx, focal * bounds.low.x(), focal * bounds.high.x());
   std::tie(camera_.cy, camera_.height) =
-      Place(left.cy, focal * bounds.low.y(), focal * bounds.high.y());
+      PrincipalAndLength(left.cy, focal * bounds.low.y(), focal * bounds.high.y());
 
   left_ = MakeMaps(left, left_from_rectified_);
   right_ = MakeMaps(rig.right.camera, axes.rectified_from_right.conjugate());

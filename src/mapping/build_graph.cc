@@ -8,8 +8,8 @@
 namespace rigmap {
 namespace {
 
-// Each view of a place is matched with so many views after it. COLMAP's cost is linear in matches,
-// and a place seen fifty times needs no match of its first view with its last.
+// Each view of a ground point is matched with so many views after it. COLMAP's cost is linear in
+// matches, and a place seen fifty times needs no match of its first view with its last.
 constexpr std::size_t kTrackNeighbours = 4;
 
 // Tracks with their frames replaced by keyframe indices; frames that are none are passed over.
@@ -63,11 +63,11 @@ KeyframeGraph BuildKeyframeGraph(const Correspondences& correspondences, const O
   for (Track& track : graph.tracks) {
     for (FeatureRef& ref : track) {
       GraphKeyframe& keyframe = graph.keyframes[ref.frame];
-      const bool partnered =
+      const bool has_stereo_match =
           correspondences.features[keyframe.frame][ref.feature].right.has_value();
       keyframe.features.push_back(ref.feature);
-      keyframe.right_keypoints.push_back(partnered ? std::optional(right_count[ref.frame]++)
-                                                   : std::nullopt);
+      keyframe.right_keypoints.push_back(has_stereo_match ? std::optional(right_count[ref.frame]++)
+                                                          : std::nullopt);
       ref.feature = static_cast<int>(keyframe.features.size()) - 1;
     }
   }

@@ -59,14 +59,14 @@ SparseModel MakeSeedModel(const GraphWithPoses& input, int first, int length) {
   SparseModel model;
   model.cameras = {{Eye::kLeft, input.rig.left.camera}, {Eye::kRight, input.rig.right.camera}};
   for (int k = first; k < first + length; ++k) AddImages(input, k, model);
-  const auto place = [&](const ImageRef& image) {
+  const auto index_of = [&](const ImageRef& image) {
     return 2 * static_cast<std::size_t>(image.frame - first) + (image.eye == Eye::kLeft ? 0 : 1);
   };
   for (const Track& track : input.graph.tracks) {
     SparsePoint point;
     std::vector<View> views;
     const auto add = [&](const ImageRef& image, std::uint32_t keypoint) {
-      const SparseImage& of = model.images[place(image)];
+      const SparseImage& of = model.images[index_of(image)];
       const Camera& camera = input.rig.Of(of.ref.eye).camera;
       const auto normalised = Undistort(camera, of.keypoints[keypoint].pixel);
       if (!normalised) return;
@@ -90,7 +90,7 @@ SparseModel MakeSeedModel(const GraphWithPoses& input, int first, int length) {
     point.id = model.points.size() + 1;
     point.x_in_model = *x;
     for (const TrackElement& element : point.track) {
-      model.images[place(element.image)].keypoints[element.keypoint].point_id = point.id;
+      model.images[index_of(element.image)].keypoints[element.keypoint].point_id = point.id;
     }
     model.points.push_back(std::move(point));
   }

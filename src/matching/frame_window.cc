@@ -38,18 +38,18 @@ std::vector<std::vector<Feature>> FrameWindow::Finish(int frame_count) {
 
 MatchedFrame FrameWindow::Load(int frame) const {
   MatchedFrame loaded;
-  loaded.anchored = MakeAnchored(features_(frame));
-  loaded.points = TriangulateFeatures(loaded.anchored.refined, rig_, disparity_noise_px_);
+  loaded.refinement = StartRefinement(features_(frame));
+  loaded.points = TriangulateFeatures(loaded.refinement.refined, rig_, disparity_noise_px_);
   const auto kept = kept_.find(frame);
   if (kept != kept_.end())
-    RestorePositions(kept->second.refined, kept->second.aligned, loaded.anchored);
+    RestorePositions(kept->second.refined, kept->second.aligned, loaded.refinement);
   return loaded;
 }
 
 void FrameWindow::LetGo(int frame) {
   const auto held = held_.find(frame);
-  AnchoredFrame& anchored = held->second.anchored;
-  kept_[frame] = {std::move(anchored.refined), std::move(anchored.aligned)};
+  FeatureRefinement& refinement = held->second.refinement;
+  kept_[frame] = {std::move(refinement.refined), std::move(refinement.aligned)};
   held_.erase(held);
 }
 

@@ -7,17 +7,18 @@
 #include <vector>
 
 #include "correspondence/stereo_points.h"
-#include "matching/anchors.h"
+#include "matching/reference_patches.h"
 
 namespace rigmap {
 
 struct MatchedFrame {
-  AnchoredFrame anchored;
+  FeatureRefinement refinement;
   std::vector<std::optional<StereoPoint>> points;  // of the features as found
 };
 
-// Holds descriptors, patches and anchors (2 MB a frame) of the frames used last; of all others the
-// refined positions only. A frame that comes back has its own patches for anchors.
+// Holds descriptors, patches and reference patches (2 MB a frame) of the frames used last; of all
+// others the refined positions only. A frame that comes back has its own patches for reference
+// patches.
 class FrameWindow {
  public:
   // At least two frames are held.

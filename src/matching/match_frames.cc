@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "correspondence/stereo_points.h"
-#include "matching/find_revisits.h"
+#include "matching/find_loop_closures.h"
 #include "matching/ground_warp.h"
 #include "matching/pair_matcher.h"
 #include "matching/pair_selection.h"
@@ -41,8 +41,8 @@ class FrameMatcher {
       : odometry_(odometry),
         rig_(rig),
         options_(options),
-        // Pairs come in order of time, so that a frame's neighbours and revisits are all that is
-        // held.
+        // Pairs come in order of time, so that a frame's neighbours and loop closures are all that
+        // is held.
         window_(features, rig, options.disparity_noise_px,
                 static_cast<std::size_t>(options.neighbours + 2 * options.max_revisits + 2)) {}
 
@@ -57,13 +57,13 @@ class FrameMatcher {
                                returned ? motion.current_from_reference : predicted, returned);
     spdlog::info("{} {}: {} verified, {} aligned", pair.a, pair.b, verified.matches.size(),
                  refined.matches.size());
-    // The motion is proven already: half of what that takes is enough to agree in looks, too.
+    // The motion is proven already: half of what that takes is enough to agree in appearance, too.
     const int enough = options_.verification.min_inliers / 2;
     if (static_cast<int>(refined.matches.size()) < enough) return;
     result_.pairs.push_back(std::move(refined));
     if (!returned) return;
-    result_.revisits.push_back({pair.a, pair.b, motion.current_from_reference, motion.covariance,
-                                pair.b_from_a.has_value()});
+    result_.loop_closures.push_back({pair.a, pair.b, motion.current_from_reference,
+                                     motion.covariance, pair.b_from_a.has_value()});
   }
 
   Correspondences Finish() {
@@ -87,10 +87,10 @@ class FrameMatcher {
     for (const FeatureMatch& match : matches) {
       const int in_fixed = backwards ? match.b : match.a;
       const int in_moving = backwards ? match.a : match.b;
-      if (!moving.anchored.aligned[in_moving] &&
-          !AlignWithAnchor(fixed.anchored, in_fixed, moving.anchored, in_moving,
-                           Expected(fixed, in_fixed, fixed_frame, moving_from_fixed, returned),
-                           options_)) {
+      if (!moving.refinement.aligned[in_moving] &&
+          !AlignWithReference(fixed.refinement, in_fixed, moving.refinement, in_moving,
+                              Expected(fixed, in_fixed, fixed_frame, moving_from_fixed, returned),
+                              options_)) {
         continue;
       }
       result.matches.emplace_back(match.a, match.b);
@@ -98,18 +98,18 @@ class FrameMatcher {
     return result;
   }
 
-  // How the feature's anchor, in the frame that is held, will look in the other: bent as its ground
-  // lies; turned and stretched so, too, if it is a revisit, which may look from another side; else
-  // grown only.
+  // How the feature's reference patch, in the frame that is held, will look in the other: bent as
+  // its ground lies; turned and stretched so, too, if it is a loop closure, which may look from
+  // another side; else grown only.
   ExpectedView Expected(MatchedFrame& fixed, int feature, int fixed_frame,
                         const Rigid3& moving_from_fixed, bool returned) const {
     const auto& point = fixed.points[feature];
     if (!point) return {};
     ExpectedView expected{Growth(*point, moving_from_fixed) * Eigen::Matrix2d::Identity()};
     const auto ground_here = [&] {
-      return GroundAround(fixed.anchored.found.features, fixed.points, feature, fixed_frame);
+      return GroundAround(fixed.refinement.found.features, fixed.points, feature, fixed_frame);
     };
-    auto& ground = fixed.anchored.anchors[feature].ground;
+    auto& ground = fixed.refinement.references[feature].ground;
     if (!ground) ground = ground_here();
     if (!ground) return expected;
     const Rigid3 moving_from_source =
@@ -136,11 +136,11 @@ std::vector<int> FirstOfSameStretch(const Odometry& odometry,
                                     const std::vector<std::vector<Eigen::Vector3d>>& sample_points,
                                     const StereoRig& rig, const MatchingOptions& options) {
   const std::vector<int> keyframes = Keyframes(odometry);
-  const std::vector<int> revisitable =
-      RevisitableBefore(keyframes, odometry, sample_points, rig, options);
+  const std::vector<int> loop_candidates =
+      LoopCandidatesBefore(keyframes, odometry, sample_points, rig, options);
   std::vector<int> first(odometry.size(), 0);
   for (std::size_t k = 0; k < keyframes.size(); ++k)
-    first[keyframes[k]] = keyframes[revisitable[k]];
+    first[keyframes[k]] = keyframes[loop_candidates[k]];
   return first;
 }
 
@@ -155,11 +155,11 @@ Correspondences MatchFrames(const Odometry& odometry, const FeatureSource& featu
                                                         options.disparity_noise_px));
   }
   std::vector<CandidatePair> pairs = SelectPairs(odometry, sample_points, rig, options);
-  AddFoundRevisits(FindRevisits({odometry, features, sample_points, rig}, options), pairs);
+  AddFoundLoopClosures(FindLoopClosures({odometry, features, sample_points, rig}, options), pairs);
   const std::vector<int> same_stretch = FirstOfSameStretch(odometry, sample_points, rig, options);
   FrameMatcher matcher(odometry, features, rig, options);
   for (const CandidatePair& pair : pairs) {
-    matcher.Match(pair, pair.revisit && pair.a < same_stretch[pair.b]);
+    matcher.Match(pair, pair.loop_closure && pair.a < same_stretch[pair.b]);
   }
   return matcher.Finish();
 }

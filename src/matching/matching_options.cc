@@ -22,16 +22,20 @@ OptionFields MatchingOptions::Fields() {
       {"max_revisits", &max_revisits, "", AtLeast(0),
        "At most so many keyframes further back are tried for each keyframe."},
       {"revisit_candidates", &revisit_candidates, "", AtLeast(0),
-       "Keyframes that odometry need not know of: so many that look most alike are tried for each "
+       "Keyframes that odometry need not know of: so many that are most alike in appearance are "
+       "tried for each "
        "keyframe, with no prediction (0: none). On simulated loops one of the first three was "
        "right for all 18 keyframes that had a right one. Each costs some 5 ms."},
       {"min_revisit_inliers", &min_revisit_inliers, "", AtLeast(6),
-       "Matches that must agree with one motion before such a keyframe counts as revisited, where "
-       "a revisit by another keyframe nearby tells of the same motion. Of 4200 pairs of frames "
+       "Matches that must agree with one motion before such a keyframe counts as a loop closure, "
+       "where "
+       "a loop closure by another keyframe nearby tells of the same motion. Of 4200 pairs of "
+       "frames "
        "from different simulated sands none reached six, of those of one straight drive that "
        "hardly share ground some ten: this is half as many again."},
       {"sure_revisit_inliers", &sure_revisit_inliers, "", AtLeast(6),
-       "The same where no other revisit tells of that motion; at least min_revisit_inliers. Three "
+       "The same where no other loop closure tells of that motion; at least min_revisit_inliers. "
+       "Three "
        "times what pairs reach that hardly share ground."},
       {"search_radius_px", &search_radius_px, "px", MoreThan(0.0),
        "Search around the predicted position, for frames next to each other."},

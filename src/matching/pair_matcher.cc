@@ -12,9 +12,9 @@ VerifiedPair VerifyPair(const CandidatePair& pair, const Rigid3& predicted_b_fro
   const int steps = pair.b_from_a ? 1 : std::max(1, pair.b - pair.a);
   const double radius_px = std::min(options.max_search_radius_px, options.search_radius_px * steps);
   const auto matches =
-      MatchFeatures(a.anchored.found, b.anchored.found,
+      MatchFeatures(a.refinement.found, b.refinement.found,
                     PredictedPixels(a.points, predicted_b_from_a, rig), radius_px, {});
-  const auto seen = SightingsOf(matches, a.points, b.anchored.found.features, rig);
+  const auto seen = SightingsOf(matches, a.points, b.refinement.found.features, rig);
   StereoPoseOptions pose_options;
   pose_options.noise_px = options.keypoint_noise_px;
   pose_options.max_sigmas = options.max_sigmas;

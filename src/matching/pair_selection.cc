@@ -26,12 +26,13 @@ std::vector<int> Keyframes(const Odometry& odometry) {
   return keyframes;
 }
 
-std::vector<int> RevisitableBefore(const std::vector<int>& keyframes, const Odometry& odometry,
-                                   const std::vector<std::vector<Eigen::Vector3d>>& sample_points,
-                                   const StereoRig& rig, const MatchingOptions& options) {
+std::vector<int> LoopCandidatesBefore(
+    const std::vector<int>& keyframes, const Odometry& odometry,
+    const std::vector<std::vector<Eigen::Vector3d>>& sample_points, const StereoRig& rig,
+    const MatchingOptions& options) {
   // Half of what makes a pair worth matching.
   const double left_overlap = 0.5 * options.min_overlap;
-  std::vector<int> revisitable;
+  std::vector<int> loop_candidates;
   for (int k = 0; k < static_cast<int>(keyframes.size()); ++k) {
     const int b = keyframes[k];
     int earlier = std::max(0, k - options.neighbours);
@@ -42,9 +43,9 @@ std::vector<int> RevisitableBefore(const std::vector<int>& keyframes, const Odom
       const double still_seen = Overlap(sample_points[a], a_from_b.Inverse(), rig.left.camera);
       if (std::min(seen_before, still_seen) < left_overlap) break;
     }
-    revisitable.push_back(earlier);
+    loop_candidates.push_back(earlier);
   }
-  return revisitable;
+  return loop_candidates;
 }
 
 std::vector<CandidatePair> SelectPairs(
@@ -54,7 +55,7 @@ std::vector<CandidatePair> SelectPairs(
   std::vector<CandidatePair> pairs;
   for (int k = 0; k < static_cast<int>(keyframes.size()); ++k) {
     const int b = keyframes[k];
-    std::vector<std::pair<double, int>> revisited;
+    std::vector<std::pair<double, int>> loop_candidates;
     for (int earlier = k - 1; earlier >= 0; --earlier) {
       const int a = keyframes[earlier];
       if (k - earlier <= options.neighbours) {
@@ -63,12 +64,12 @@ std::vector<CandidatePair> SelectPairs(
       }
       const Rigid3 a_from_b = odometry[a].world_from_left.Inverse() * odometry[b].world_from_left;
       const double overlap = Overlap(sample_points[b], a_from_b, rig.left.camera);
-      if (overlap >= options.min_overlap) revisited.emplace_back(-overlap, a);
+      if (overlap >= options.min_overlap) loop_candidates.emplace_back(-overlap, a);
     }
-    std::sort(revisited.begin(), revisited.end());
-    for (std::size_t i = 0; i < revisited.size() && static_cast<int>(i) < options.max_revisits;
-         ++i) {
-      pairs.push_back({revisited[i].second, b, true});
+    std::sort(loop_candidates.begin(), loop_candidates.end());
+    for (std::size_t i = 0;
+         i < loop_candidates.size() && static_cast<int>(i) < options.max_revisits; ++i) {
+      pairs.push_back({loop_candidates[i].second, b, true});
     }
     for (int frame = k > 0 ? keyframes[k - 1] + 1 : 0; frame < b; ++frame) {
       if (k > 0) pairs.push_back({keyframes[k - 1], frame, false});
@@ -82,20 +83,22 @@ std::vector<CandidatePair> SelectPairs(
   return pairs;
 }
 
-void AddFoundRevisits(const std::vector<Revisit>& found, std::vector<CandidatePair>& pairs) {
-  for (const Revisit& revisit : found) {
+void AddFoundLoopClosures(const std::vector<LoopClosure>& found,
+                          std::vector<CandidatePair>& pairs) {
+  for (const LoopClosure& loop_closure : found) {
     const auto known = std::find_if(pairs.begin(), pairs.end(), [&](const CandidatePair& pair) {
-      return pair.a == revisit.a && pair.b == revisit.b;
+      return pair.a == loop_closure.a && pair.b == loop_closure.b;
     });
     if (known != pairs.end()) {
-      known->b_from_a = revisit.b_from_a;
+      known->b_from_a = loop_closure.b_from_a;
       continue;
     }
-    const auto first = std::find_if(pairs.begin(), pairs.end(),
-                                    [&](const CandidatePair& pair) { return pair.b == revisit.b; });
-    const auto end = std::find_if(first, pairs.end(),
-                                  [&](const CandidatePair& pair) { return pair.b != revisit.b; });
-    pairs.insert(end, {revisit.a, revisit.b, true, revisit.b_from_a});
+    const auto first = std::find_if(pairs.begin(), pairs.end(), [&](const CandidatePair& pair) {
+      return pair.b == loop_closure.b;
+    });
+    const auto end = std::find_if(
+        first, pairs.end(), [&](const CandidatePair& pair) { return pair.b != loop_closure.b; });
+    pairs.insert(end, {loop_closure.a, loop_closure.b, true, loop_closure.b_from_a});
   }
 }
 

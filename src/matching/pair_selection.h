@@ -14,8 +14,8 @@ namespace rigmap {
 // Two frames, a < b, of which b is to be matched with a.
 struct CandidatePair {
   int a = 0, b = 0;
-  bool revisit = false;  // not one of the neighbours in time
-  // Of a revisit that was found by its looks: what the search found.
+  bool loop_closure = false;  // not one of the neighbours in time
+  // Of a loop closure that was found by its appearance: what the search found.
   std::optional<Rigid3> b_from_a;
 };
 
@@ -25,20 +25,21 @@ std::vector<int> Keyframes(const Odometry& odometry);
 // For each keyframe k (index into `keyframes`), how many of the first keyframes were followed by
 // one that had hardly anything in view of what k sees, or it of theirs: only those can be
 // revisited, all others belong to the same stretch of the way. Never one of the neighbours in time.
-std::vector<int> RevisitableBefore(const std::vector<int>& keyframes, const Odometry& odometry,
-                                   const std::vector<std::vector<Eigen::Vector3d>>& sample_points,
-                                   const StereoRig& rig, const MatchingOptions& options);
+std::vector<int> LoopCandidatesBefore(
+    const std::vector<int>& keyframes, const Odometry& odometry,
+    const std::vector<std::vector<Eigen::Vector3d>>& sample_points, const StereoRig& rig,
+    const MatchingOptions& options);
 
-// For each keyframe the keyframes just before it and revisited ones, nearest first; for every other
-// frame the keyframes before and after it. In order of time: each keyframe's pairs are followed by
-// those of the frames between the keyframe before and it.
-// `sample_points[k]` are some points seen by keyframe k, in its left camera.
+// For each keyframe the keyframes just before it and candidates for loop closures, nearest first;
+// for every other frame the keyframes before and after it. In order of time: each keyframe's pairs
+// are followed by those of the frames between the keyframe before and it. `sample_points[k]` are
+// some points seen by keyframe k, in its left camera.
 std::vector<CandidatePair> SelectPairs(
     const Odometry& odometry, const std::vector<std::vector<Eigen::Vector3d>>& sample_points,
     const StereoRig& rig, const MatchingOptions& options);
 
-// Adds what the search by looks found (Revisit::by_appearance) to the pairs of the keyframes that
-// they lead to; a pair that is there already only takes the motion.
-void AddFoundRevisits(const std::vector<Revisit>& found, std::vector<CandidatePair>& pairs);
+// Adds what the search by appearance found (LoopClosure::by_appearance) to the pairs of the
+// keyframes that they lead to; a pair that is there already only takes the motion.
+void AddFoundLoopClosures(const std::vector<LoopClosure>& found, std::vector<CandidatePair>& pairs);
 
 }  // namespace rigmap

@@ -8,7 +8,7 @@ OptionFields OdometryOptions::Fields() {
        "Sigma of a matched keypoint, for weights and sigmas. Measured on sand: SIFT matches "
        "scatter by 0.3 px."},
       {"disparity_noise_px", &disparity_noise_px, "px", MoreThan(0.0),
-       "Sigma of the disparity of a stereo match. Measured on sand: aligned stereo partners "
+       "Sigma of the disparity of a stereo match. Measured on sand: aligned stereo matches "
        "scatter by 0.1 px."},
       {"shared_noise", &shared_noise, "", AtLeast(1.0),
        "Sigmas of a motion grow by this factor: noise that all matches of a frame share leaves no "

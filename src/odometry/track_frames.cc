@@ -102,8 +102,8 @@ bool CanCarry(const Reference& reference, const OdometryOptions& options) {
 }
 
 // Fills the frame's pose and what is known of it, from its motion against a reference.
-void Place(const Found& found, int reference, const Rigid3& world_from_reference,
-           const OdometryOptions& options, OdometryFrame& frame) {
+void SetPose(const Found& found, int reference, const Rigid3& world_from_reference,
+             const OdometryOptions& options, OdometryFrame& frame) {
   frame.reference = reference;
   frame.source = PoseSource::kOdometry;
   frame.inliers = found.inliers;
@@ -134,7 +134,7 @@ class Tracker {
     OdometryFrame& frame = odometry_.emplace_back();
     frame.stamp_ns = features.stamp_ns;
     if (found) {
-      Place(*found, keyframe_.frame, odometry_[keyframe_.frame].world_from_left, options_, frame);
+      SetPose(*found, keyframe_.frame, odometry_[keyframe_.frame].world_from_left, options_, frame);
     } else {
       frame.world_from_left = predicted;
       frame.reference = index - 1;
@@ -227,7 +227,7 @@ Odometry WithFramesBefore(int start, const FeatureSource& features, const Stereo
     OdometryFrame& frame = latest_first.emplace_back();
     frame.stamp_ns = current.stamp_ns;
     if (found) {
-      Place(*found, start, Rigid3(), options, frame);
+      SetPose(*found, start, Rigid3(), options, frame);
     } else {
       frame.world_from_left = predicted;
       frame.reference = index + 1;

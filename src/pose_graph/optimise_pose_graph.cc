@@ -17,13 +17,13 @@ struct EdgeError {
     using Quaternion = Eigen::Quaternion<Scalar>;
     using Vector = Eigen::Matrix<Scalar, 3, 1>;
     const Eigen::Map<const Quaternion> turn_a(world_from_a), turn_b(world_from_b);
-    const Eigen::Map<const Vector> place_a(world_from_a + 4), place_b(world_from_b + 4);
+    const Eigen::Map<const Vector> position_a(world_from_a + 4), position_b(world_from_b + 4);
     const Quaternion b_from_world = turn_b.conjugate();
     const Quaternion error =
         b_from_world * turn_a * b_from_a.rotation.conjugate().template cast<Scalar>();
     const Scalar sign = error.w() < Scalar(0.0) ? Scalar(-1.0) : Scalar(1.0);
     Eigen::Matrix<Scalar, 6, 1> off;
-    off << b_from_world * (place_a - place_b) -
+    off << b_from_world * (position_a - position_b) -
                error * b_from_a.translation.template cast<Scalar>(),
         Scalar(2.0) * sign * error.vec();
     Eigen::Map<Eigen::Matrix<Scalar, 6, 1>>{residual} = weight.template cast<Scalar>() * off;

@@ -14,10 +14,10 @@ constexpr double kStepDriftShare = 0.05;
 constexpr double kStepDrift_rad = 0.3 * kRadPerDeg;
 // The sigmas that a pair's matches give their motion are too small by so much, since they err
 // together: measured 1.3 (the same way again) to 3.3 (from another side).
-constexpr double kRevisitInflation = 3.0;
-// Of a revisit beside those: 1.5 px at 3 m for 840 px.
-constexpr double kRevisitSigma_m = 0.005;
-constexpr double kRevisitSigma_rad = 0.1 * kRadPerDeg;
+constexpr double kLoopClosureInflation = 3.0;
+// Of a loop closure beside those: 1.5 px at 3 m for 840 px.
+constexpr double kLoopClosureSigma_m = 0.005;
+constexpr double kLoopClosureSigma_rad = 0.1 * kRadPerDeg;
 
 Matrix6d Widened(const Matrix6d& covariance, double sigma_m, double sigma_rad) {
   Vector6d variances;
@@ -32,16 +32,17 @@ PoseEdge Step(int from, int to, const Rigid3& to_from_from, const Matrix6d& cova
   return {from, to, to_from_from, SqrtInformation(widened), PoseEdgeKind::kOdometry};
 }
 
-PoseEdge Closure(int a, int b, const Revisit& revisit) {
-  const Matrix6d widened = Widened(kRevisitInflation * kRevisitInflation * revisit.covariance,
-                                   kRevisitSigma_m, kRevisitSigma_rad);
-  return {a, b, revisit.b_from_a, SqrtInformation(widened), PoseEdgeKind::kLoopClosure};
+PoseEdge LoopClosureEdge(int a, int b, const LoopClosure& loop_closure) {
+  const Matrix6d widened =
+      Widened(kLoopClosureInflation * kLoopClosureInflation * loop_closure.covariance,
+              kLoopClosureSigma_m, kLoopClosureSigma_rad);
+  return {a, b, loop_closure.b_from_a, SqrtInformation(widened), PoseEdgeKind::kLoopClosure};
 }
 
 }  // namespace
 
 PartGraph BuildPartGraph(const std::vector<std::optional<Rigid3>>& world_from_left,
-                         const Odometry& odometry, const std::vector<Revisit>& revisits) {
+                         const Odometry& odometry, const std::vector<LoopClosure>& loop_closures) {
   PartGraph part;
   const int frames = static_cast<int>(world_from_left.size());
   std::vector<int> node(world_from_left.size(), 0);  // of each posed frame
@@ -62,9 +63,10 @@ PartGraph BuildPartGraph(const std::vector<std::optional<Rigid3>>& world_from_le
     const Rigid3 motion = world_from_left[i]->Inverse() * *world_from_left[from];
     part.graph.edges.push_back(Step(node[from], node[i], motion, covariance));
   }
-  for (const Revisit& revisit : revisits) {
-    if (!world_from_left[revisit.a] || !world_from_left[revisit.b]) continue;
-    part.graph.edges.push_back(Closure(node[revisit.a], node[revisit.b], revisit));
+  for (const LoopClosure& loop_closure : loop_closures) {
+    if (!world_from_left[loop_closure.a] || !world_from_left[loop_closure.b]) continue;
+    part.graph.edges.push_back(
+        LoopClosureEdge(node[loop_closure.a], node[loop_closure.b], loop_closure));
   }
   return part;
 }

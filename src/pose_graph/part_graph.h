@@ -17,9 +17,9 @@ struct PartGraph {
 
 // A node for every frame with a pose, in order of frames. An odometry edge from each frame to the
 // last one before it, in the chain of references, that has a pose: it keeps the motion of the poses
-// given, with the chain's covariance and a share for drift. A loop closure for each revisit between
+// given, with the chain's covariance and a share for drift. An edge for each loop closure between
 // posed frames, its covariance inflated.
 PartGraph BuildPartGraph(const std::vector<std::optional<Rigid3>>& world_from_left,
-                         const Odometry& odometry, const std::vector<Revisit>& revisits);
+                         const Odometry& odometry, const std::vector<LoopClosure>& loop_closures);
 
 }  // namespace rigmap

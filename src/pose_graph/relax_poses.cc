@@ -11,7 +11,7 @@ namespace rigmap {
 namespace {
 
 constexpr double kMaxSigmas = 5.0;
-// All revisits nearer than this (six pixels): bundle adjustment needs no help.
+// All loop closures nearer than this (six pixels): bundle adjustment needs no help.
 constexpr double kAgreeingSigmas = 4.0;
 
 bool IsClosure(const PoseEdge& edge) { return edge.kind == PoseEdgeKind::kLoopClosure; }
@@ -29,8 +29,8 @@ std::vector<std::optional<Rigid3>> PosesOf(const PoseGraph& graph, const std::ve
 
 std::vector<std::optional<Rigid3>> RelaxPoses(
     const std::vector<std::optional<Rigid3>>& world_from_left, const Odometry& odometry,
-    const std::vector<Revisit>& revisits) {
-  PartGraph part = BuildPartGraph(world_from_left, odometry, revisits);
+    const std::vector<LoopClosure>& loop_closures) {
+  PartGraph part = BuildPartGraph(world_from_left, odometry, loop_closures);
   PoseGraph& graph = part.graph;
   const auto is_off = [](const PoseEdge& edge, const PoseGraph& at, double sigmas) {
     return IsClosure(edge) && !(ErrorSigmas(edge, at) <= sigmas);
@@ -43,7 +43,7 @@ std::vector<std::optional<Rigid3>> RelaxPoses(
   const auto disbelieved =
       std::erase_if(graph.edges, [&](const auto& e) { return is_off(e, relaxed, kMaxSigmas); });
   const auto believed = std::ranges::count_if(graph.edges, IsClosure);
-  spdlog::info("{} revisits, {} of them not believed",
+  spdlog::info("{} loop closures, {} of them not believed",
                static_cast<std::size_t>(believed) + disbelieved, disbelieved);
   const std::size_t count = world_from_left.size();
   if (disbelieved == 0) return PosesOf(relaxed, part.frames, count);

@@ -10,15 +10,15 @@
 namespace rigmap {
 
 // The poses on which each step from a frame's reference (as the odometry has it) keeps its starting
-// motion as well as may be, and each revisit shows its own: least squares, the first pose of every
-// connected group held (Ceres, sparse, one thread: equal input gives equal output).
+// motion as well as may be, and each loop closure shows its own: least squares, the first pose of
+// every connected group held (Ceres, sparse, one thread: equal input gives equal output).
 //
-// A revisit may be wrong: it pulls under Cauchy's loss, and one that is far off the solution, four
-// sigmas of what the steps in between may have drifted or five of its own, is left out of the last
-// one, so that it moves nothing. Poses come back unchanged where all revisits agree from the start
-// or none is believed; frames without a pose keep none.
+// A loop closure may be wrong: it pulls under Cauchy's loss, and one that is far off the solution,
+// four sigmas of what the steps in between may have drifted or five of its own, is left out of the
+// last one, so that it moves nothing. Poses come back unchanged where all loop closures agree from
+// the start or none is believed; frames without a pose keep none.
 std::vector<std::optional<Rigid3>> RelaxPoses(
     const std::vector<std::optional<Rigid3>>& world_from_left, const Odometry& odometry,
-    const std::vector<Revisit>& revisits);
+    const std::vector<LoopClosure>& loop_closures);
 
 }  // namespace rigmap

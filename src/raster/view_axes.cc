@@ -14,22 +14,24 @@ constexpr double kStep_m = 0.05;
 constexpr double kFarthest_m = 1e9;  // what lies farther counts as there
 constexpr double kRadPerDegree = std::numbers::pi / 180.0;
 
-Eigen::Vector2d Place(const TimedPose& pose) { return pose.world_from_left.translation.head<2>(); }
+Eigen::Vector2d PositionOf(const TimedPose& pose) {
+  return pose.world_from_left.translation.head<2>();
+}
 
 }  // namespace
 
 Eigen::Vector3d DrivingDirection(const Trajectory& trajectory) {
   if (trajectory.empty()) return Eigen::Vector3d::UnitX();
   Eigen::Vector2d mean = Eigen::Vector2d::Zero();
-  for (const TimedPose& pose : trajectory) mean += Place(pose) / trajectory.size();
+  for (const TimedPose& pose : trajectory) mean += PositionOf(pose) / trajectory.size();
   Eigen::Matrix2d spread = Eigen::Matrix2d::Zero();
   for (const TimedPose& pose : trajectory) {
-    spread += (Place(pose) - mean) * (Place(pose) - mean).transpose() / trajectory.size();
+    spread += (PositionOf(pose) - mean) * (PositionOf(pose) - mean).transpose() / trajectory.size();
   }
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver(spread);
   if (4.0 * std::sqrt(solver.eigenvalues()(1)) < kMinExtent_m) return Eigen::Vector3d::UnitX();
   Eigen::Vector2d direction = solver.eigenvectors().col(1);
-  const Eigen::Vector2d way = Place(trajectory.back()) - Place(trajectory.front());
+  const Eigen::Vector2d way = PositionOf(trajectory.back()) - PositionOf(trajectory.front());
   // A loop ends where it began: then it is the first heading, x, that decides.
   const double along = way.norm() > kMinExtent_m ? way.dot(direction) : direction.x();
   if (along < 0.0) direction = -direction;

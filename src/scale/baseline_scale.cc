@@ -37,14 +37,14 @@ std::map<int, double> EyeDistances(const SparseModel& model) {
 // (nothing while none is).
 struct Hook {
   int keyframe = 0;
-  std::optional<int> placed;
+  std::optional<int> aligned;
 };
 
-Hook NearestHook(const std::vector<int>& of_model, const std::set<int>& placed) {
+Hook NearestHook(const std::vector<int>& of_model, const std::set<int>& aligned) {
   Hook best{of_model.front(), std::nullopt};
   for (const int keyframe : of_model) {
-    for (const int other : placed) {
-      if (!best.placed || std::abs(other - keyframe) < std::abs(*best.placed - best.keyframe)) {
+    for (const int other : aligned) {
+      if (!best.aligned || std::abs(other - keyframe) < std::abs(*best.aligned - best.keyframe)) {
         best = {keyframe, other};
       }
     }
@@ -102,10 +102,10 @@ std::size_t CountPosed(const std::vector<SparseModel>& models, const ModelScales
   return posed.size();
 }
 
-PlacedKeyframes PlaceModels(const std::vector<SparseModel>& models, const ModelScales& scales,
-                            const std::vector<Rigid3>& odometric) {
-  PlacedKeyframes placed;
-  placed.world_from_left.resize(odometric.size());
+AlignedKeyframes AlignModels(const std::vector<SparseModel>& models, const ModelScales& scales,
+                             const std::vector<Rigid3>& odometric) {
+  AlignedKeyframes aligned;
+  aligned.world_from_left.resize(odometric.size());
   std::set<int> sound;  // keyframes placed whose baseline agrees: others do not carry a model
   for (std::size_t m = 0; m < models.size(); ++m) {
     const auto& scale = scales[m];
@@ -114,15 +114,15 @@ PlacedKeyframes PlaceModels(const std::vector<SparseModel>& models, const ModelS
     const Hook hook = NearestHook(scale->pairs_used, sound);
     // With nothing to hang on the odometric pose itself serves.
     const Rigid3 world_from_left =
-        hook.placed ? *placed.world_from_left[*hook.placed] *
-                          (odometric[*hook.placed].Inverse() * odometric[hook.keyframe])
-                    : odometric[hook.keyframe];
-    PlacedModel laid{.model = static_cast<int>(m), .scale = *scale};
+        hook.aligned ? *aligned.world_from_left[*hook.aligned] *
+                           (odometric[*hook.aligned].Inverse() * odometric[hook.keyframe])
+                     : odometric[hook.keyframe];
+    AlignedModel laid{.model = static_cast<int>(m), .scale = *scale};
     laid.world_from_model =
         LayOn(world_from_left, poses.at(hook.keyframe), scale->metres_per_model_unit);
     for (const auto& [keyframe, model_from_left] : poses) {
-      if (placed.world_from_left[keyframe]) continue;
-      placed.world_from_left[keyframe] = TransformPose(laid.world_from_model, model_from_left);
+      if (aligned.world_from_left[keyframe]) continue;
+      aligned.world_from_left[keyframe] = TransformPose(laid.world_from_model, model_from_left);
       laid.keyframes.push_back(keyframe);
     }
     for (const int keyframe : scale->pairs_used) {
@@ -130,9 +130,9 @@ PlacedKeyframes PlaceModels(const std::vector<SparseModel>& models, const ModelS
         sound.insert(keyframe);
       }
     }
-    placed.models.push_back(std::move(laid));
+    aligned.models.push_back(std::move(laid));
   }
-  return placed;
+  return aligned;
 }
 
 }  // namespace rigmap

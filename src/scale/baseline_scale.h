@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "scale/scale_options.h"
-#include "scene/placed_keyframes.h"
+#include "scene/aligned_keyframes.h"
 #include "scene/sparse_model.h"
 
 namespace rigmap {
@@ -28,7 +28,7 @@ std::size_t CountPosed(const std::vector<SparseModel>& models, const ModelScales
 // the two. Only keyframes whose pair was used carry a model. A model without a scale is left out.
 // `odometric` holds world_from_left per keyframe. Where models share a keyframe the earlier model's
 // pose stays.
-PlacedKeyframes PlaceModels(const std::vector<SparseModel>& models, const ModelScales& scales,
-                            const std::vector<Rigid3>& odometric);
+AlignedKeyframes AlignModels(const std::vector<SparseModel>& models, const ModelScales& scales,
+                             const std::vector<Rigid3>& odometric);
 
 }  // namespace rigmap

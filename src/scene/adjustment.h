@@ -38,9 +38,9 @@ struct Adjustment {
   std::vector<std::optional<Rigid3>> world_from_left;
   // Per frame, the frame whose pose was held for it: the first of those that it hangs together
   // with. Itself for the frames held and those without points.
-  std::vector<int> anchors;
-  // Of world_from_left relative to the frame's anchor, about the gauge's axes: translation (m),
-  // then rotation (rad). Grown by what residuals that go together and a corrected rig add.
+  std::vector<int> datum_frames;
+  // Of world_from_left relative to the frame's datum frame, about the gauge's axes: translation
+  // (m), then rotation (rad). Grown by what residuals that go together and a corrected rig add.
   std::vector<Matrix6d> covariances;
   std::vector<AdjustedPoint> points;
   StereoRig rig;  // as calibrated, unless the part corrected it
@@ -58,7 +58,7 @@ struct Adjustment {
 
   template <class Archive>
   void serialize(Archive& archive) {
-    archive(world_from_left, anchors, covariances, points, rig, rig_correction,
+    archive(world_from_left, datum_frames, covariances, points, rig, rig_correction,
             rig_correction_sigmas, noise_px, reprojection_px, outlier_share, calibration);
   }
 };

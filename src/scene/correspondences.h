@@ -1,4 +1,4 @@
-// Which features of which frames show the same place.
+// Which features of which frames show the same ground.
 #pragma once
 
 #include <cstdint>
@@ -23,11 +23,11 @@ struct FramePair {
 
 // Two frames, a < b, that show one place which was out of view in between, and the motion that
 // their matches agree with.
-struct Revisit {
+struct LoopClosure {
   int a = 0, b = 0;
   Rigid3 b_from_a;                         // metres
   Matrix6d covariance = Matrix6d::Zero();  // of a left perturbation (translation m, rotation rad)
-  bool by_appearance = false;              // found by its looks, without the odometry
+  bool by_appearance = false;              // found by its appearance, without the odometry
 
   template <class Archive>
   void serialize(Archive& archive) {
@@ -36,15 +36,16 @@ struct Revisit {
 };
 
 // Verified correspondences of a part. features[f] are frame f's, in the order in which they were
-// extracted, their positions refined so that all views of a place mean the same spot of ground.
+// extracted, their positions refined so that all views of a ground point mean the same spot of
+// ground.
 struct Correspondences {
   std::vector<std::vector<Feature>> features;
   std::vector<FramePair> pairs;
-  std::vector<Revisit> revisits;  // of some of the pairs
+  std::vector<LoopClosure> loop_closures;  // of some of the pairs
 
   template <class Archive>
   void serialize(Archive& archive) {
-    archive(features, pairs, revisits);
+    archive(features, pairs, loop_closures);
   }
 };
 

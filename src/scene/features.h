@@ -1,5 +1,5 @@
-// Keypoints of a stereo frame. A feature is a keypoint of the left image; where its partner in the
-// right image was found, it carries that too. Correspondences name features by their index.
+// Keypoints of a stereo frame. A feature is a keypoint of the left image; where its stereo match in
+// the right image was found, it carries that too. Correspondences name features by their index.
 #pragma once
 
 #include <array>
@@ -26,7 +26,7 @@ using Patch = std::array<std::uint8_t, std::size_t{kPatchSize} * kPatchSize>;
 
 struct Feature {
   Eigen::Vector2d left;                  // px, OpenCV convention, distorted image
-  std::optional<Eigen::Vector2d> right;  // its partner on the epipolar line
+  std::optional<Eigen::Vector2d> right;  // its stereo match on the epipolar line
   float size = 0.0F;                     // diameter of the keypoint, px
 
   template <class Archive>
@@ -41,8 +41,8 @@ struct FrameFeatures {
   std::vector<Feature> features;
   std::vector<Descriptor> descriptors;
   std::vector<Patch> patches;
-  // Signed distances (px, right image) of stereo partners from their epipolar line, as found
-  // before any was rejected for it.
+  // Signed distances (px, right image) of stereo matches from their epipolar line, as found before
+  // any was rejected for it.
   std::vector<float> epipolar_errors_px;
   double usable_share = 1.0;  // of the left image that is not masked
   // Files of this frame that could not be read as images; if there are any, nothing was looked for.

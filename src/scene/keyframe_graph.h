@@ -15,7 +15,7 @@ struct GraphKeyframe {
   int frame = 0;                      // index of the dataset's frame
   std::string left_name, right_name;  // "left/<stamp_ns>.<ext>"
   // Features (of Correspondences::features[frame]) that became left keypoints, in their order, and
-  // for each the index of its right keypoint, if it has a partner.
+  // for each the index of its right keypoint, if it has a stereo match.
   std::vector<int> features;
   std::vector<std::optional<std::uint32_t>> right_keypoints;
 

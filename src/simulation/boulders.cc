@@ -39,13 +39,13 @@ Mesh RawShape(HashSequence& random) {
     const Eigen::Vector3d direction = vertex.cast<double>();
     double sum = 1.0;  // the sphere itself
     for (const auto& cut : cuts) sum += std::pow(std::max(0.0, direction.dot(cut)), kSharpness);
-    const Eigen::Vector3d place = direction * std::pow(sum, -1.0 / kSharpness);
-    const Eigen::Vector3d at = 3.1 * place;
+    const Eigen::Vector3d position = direction * std::pow(sum, -1.0 / kSharpness);
+    const Eigen::Vector3d at = 3.1 * position;
     const double rough =
         0.055 * GradientNoise3(at.x(), at.y(), at.z(), seed) +
         0.028 * GradientNoise3(2.7 * at.x(), 2.7 * at.y(), 2.7 * at.z(), seed + 1) +
         0.012 * GradientNoise3(7.0 * at.x(), 7.0 * at.y(), 7.0 * at.z(), seed + 2);
-    vertex = ((1.0 + rough) * place).cast<float>();
+    vertex = ((1.0 + rough) * position).cast<float>();
   }
   return mesh;
 }
@@ -70,9 +70,9 @@ Boulder Settle(const Size& size, const Eigen::Vector3d& centre, HashSequence& ra
     const Eigen::Vector2f flat =
         turn * vertex.head<2>() * (0.5f * static_cast<float>(size.width_m) / widest);
     const double up = vertex.z() / highest * size.height_m;
-    const Eigen::Vector3d place = centre + Eigen::Vector3d(flat.x(), flat.y(), up);
-    if (place.z() > boulder.top.z()) boulder.top = place;
-    vertex = place.cast<float>();
+    const Eigen::Vector3d position = centre + Eigen::Vector3d(flat.x(), flat.y(), up);
+    if (position.z() > boulder.top.z()) boulder.top = position;
+    vertex = position.cast<float>();
   }
   return boulder;
 }
@@ -85,8 +85,9 @@ const Size& DrawSize(HashSequence& random) {
 
 }  // namespace
 
-std::vector<Boulder> PlaceBoulders(const Terrain& terrain, std::span<const Eigen::Vector2d> outline,
-                                   double per_100_m2, std::uint64_t seed) {
+std::vector<Boulder> ScatterBoulders(const Terrain& terrain,
+                                     std::span<const Eigen::Vector2d> outline, double per_100_m2,
+                                     std::uint64_t seed) {
   std::vector<Boulder> boulders;
   if (outline.empty()) return boulders;
   double length_m = 0.0;
@@ -100,20 +101,21 @@ std::vector<Boulder> PlaceBoulders(const Terrain& terrain, std::span<const Eigen
     const auto at = static_cast<std::size_t>(random.Unit() * static_cast<double>(outline.size()));
     const double angle = random.Between(0.0, 2.0 * std::numbers::pi);
     const double away_m = kReach_m * std::sqrt(random.Unit());
-    const Eigen::Vector2d place =
+    const Eigen::Vector2d position =
         outline[at] + away_m * Eigen::Vector2d(std::cos(angle), std::sin(angle));
     const Size& size = DrawSize(random);
     const bool is_free =
         std::ranges::all_of(outline,
                             [&](const Eigen::Vector2d& way) {
-                              return (way - place).norm() > 0.5 * size.width_m + kClearance_m;
+                              return (way - position).norm() > 0.5 * size.width_m + kClearance_m;
                             }) &&
         std::ranges::all_of(boulders, [&](const Boulder& other) {
-          return (other.centre.head<2>() - place).norm() >
+          return (other.centre.head<2>() - position).norm() >
                  0.5 * (size.width_m + other.width_m) + 0.1;
         });
     if (!is_free) continue;
-    const Eigen::Vector3d centre(place.x(), place.y(), terrain.Height(place.x(), place.y()));
+    const Eigen::Vector3d centre(position.x(), position.y(),
+                                 terrain.Height(position.x(), position.y()));
     boulders.push_back(Settle(size, centre, random));
   }
   return boulders;

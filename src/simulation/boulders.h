@@ -23,7 +23,8 @@ struct Boulder {
 // Up to `per_100_m2` boulders for each hundred square metres within 7 m of the outline, apart from
 // each other; none nearer to any of the outline's places than its half width plus 0.95 m, so that
 // the rover passes.
-std::vector<Boulder> PlaceBoulders(const Terrain& terrain, std::span<const Eigen::Vector2d> outline,
-                                   double per_100_m2, std::uint64_t seed);
+std::vector<Boulder> ScatterBoulders(const Terrain& terrain,
+                                     std::span<const Eigen::Vector2d> outline, double per_100_m2,
+                                     std::uint64_t seed);
 
 }  // namespace rigmap

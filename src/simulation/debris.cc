@@ -10,12 +10,12 @@
 namespace rigmap {
 namespace {
 
-struct Looks {
+struct DebrisAppearance {
   Eigen::Vector3f half_extent_m;  // along, across, up
   Eigen::Vector3f albedo;
 };
 
-Looks DrawLooks(HashSequence& random) {
+DebrisAppearance DrawAppearance(HashSequence& random) {
   const auto between = [&](double low, double high) {
     return static_cast<float>(random.Between(low, high));
   };
@@ -32,9 +32,10 @@ Looks DrawLooks(HashSequence& random) {
   return {extent, Eigen::Vector3f(0.30f, 0.26f, 0.21f) * between(0.7, 1.3)};
 }
 
-Mesh Shape(const Looks& looks, const Eigen::Vector3d& place, HashSequence& random) {
+Mesh Shape(const DebrisAppearance& appearance, const Eigen::Vector3d& position,
+           HashSequence& random) {
   Mesh mesh = Icosphere(1);
-  mesh.albedo = looks.albedo;
+  mesh.albedo = appearance.albedo;
   const Eigen::Matrix3f turn =
       (Eigen::AngleAxisd(random.Between(0.0, 2.0 * std::numbers::pi), Eigen::Vector3d::UnitZ()) *
        Eigen::AngleAxisd(random.Between(-0.25, 0.25), Eigen::Vector3d::UnitX()) *
@@ -43,7 +44,7 @@ Mesh Shape(const Looks& looks, const Eigen::Vector3d& place, HashSequence& rando
           .cast<float>();
   for (auto& vertex : mesh.vertices) {
     const auto dent = static_cast<float>(random.Between(0.85, 1.1));
-    vertex = turn * (dent * vertex.cwiseProduct(looks.half_extent_m)) + place.cast<float>();
+    vertex = turn * (dent * vertex.cwiseProduct(appearance.half_extent_m)) + position.cast<float>();
   }
   return mesh;
 }
@@ -64,15 +65,16 @@ std::vector<Mesh> StrewDebris(const Terrain& terrain, std::span<const Eigen::Vec
   HashSequence random(seed, 31);
   const auto count = static_cast<int>(per_m2 * (high - low).prod());
   for (int i = 0; i < count; ++i) {
-    const Eigen::Vector2d place(random.Between(low.x(), high.x()),
-                                random.Between(low.y(), high.y()));
-    const Looks looks = DrawLooks(random);
+    const Eigen::Vector2d position(random.Between(low.x(), high.x()),
+                                   random.Between(low.y(), high.y()));
+    const DebrisAppearance appearance = DrawAppearance(random);
     const bool is_near = std::ranges::any_of(outline, [&](const Eigen::Vector2d& way) {
-      return (way - place).squaredNorm() < reach_m * reach_m;
+      return (way - position).squaredNorm() < reach_m * reach_m;
     });
     if (!is_near) continue;
-    debris.push_back(
-        Shape(looks, {place.x(), place.y(), terrain.Height(place.x(), place.y())}, random));
+    debris.push_back(Shape(appearance,
+                           {position.x(), position.y(), terrain.Height(position.x(), position.y())},
+                           random));
   }
   return debris;
 }

@@ -9,7 +9,7 @@
 #include <functional>
 #include <string_view>
 
-#include "simulation/fault_places.h"
+#include "simulation/fault_frames.h"
 #include "simulation/fault_request.h"
 
 namespace rigmap {
@@ -25,26 +25,26 @@ constexpr double kGlareArea = 0.3;                    // share of the image, as 
 class Planner {
  public:
   Planner(int frames, double frame_interval_s)
-      : frames_(frames), frame_interval_s_(frame_interval_s), places_(frames) {
+      : frames_(frames), frame_interval_s_(frame_interval_s), fault_frames_(frames) {
     plan_.frames.resize(static_cast<std::size_t>(frames));
   }
 
   FaultPlan plan() const { return plan_; }
 
   void Dropped(FaultRequest& request) {
-    for (const int i : places_.TakeRun(request)) At(i).dropped = true;
+    for (const int i : fault_frames_.TakeRun(request)) At(i).dropped = true;
   }
   void LoneLeft(FaultRequest& request) {
-    for (const int i : places_.TakeRun(request)) At(i).lone = Eye::kLeft;
+    for (const int i : fault_frames_.TakeRun(request)) At(i).lone = Eye::kLeft;
   }
   void LoneRight(FaultRequest& request) {
-    for (const int i : places_.TakeRun(request)) At(i).lone = Eye::kRight;
+    for (const int i : fault_frames_.TakeRun(request)) At(i).lone = Eye::kRight;
   }
   void Black(FaultRequest& request) {
-    for (const int i : places_.TakeSingles(request)) At(i).black = true;
+    for (const int i : fault_frames_.TakeSingles(request)) At(i).black = true;
   }
   void Truncated(FaultRequest& request) {
-    for (const int i : places_.TakeSingles(request))
+    for (const int i : fault_frames_.TakeSingles(request))
       At(i).truncated = kEyes[request.random.Unit() < 0.5 ? 0 : 1];
   }
 
@@ -55,7 +55,7 @@ class Planner {
       for (int i = range.first; i < range.end; ++i) At(i).exposure_gain = gain;
       return;
     }
-    std::vector<int> starts = places_.Choose(request);
+    std::vector<int> starts = fault_frames_.Choose(request);
     starts.push_back(frames_);
     double gain = 1.0;
     for (std::size_t k = 0; k + 1 < starts.size(); ++k) {
@@ -76,12 +76,14 @@ class Planner {
     for (int i = range.first; i < range.end; ++i) At(i).shadow = true;
   }
 
-  void Person(FaultRequest& request) { Add(plan_.persons, places_.Spread(request, kPersonFrames)); }
+  void Person(FaultRequest& request) {
+    Add(plan_.persons, fault_frames_.Spread(request, kPersonFrames));
+  }
   void GpsOutage(FaultRequest& request) {
-    Add(plan_.gps_outages, places_.Spread(request, kOutage_s / frame_interval_s_));
+    Add(plan_.gps_outages, fault_frames_.Spread(request, kOutage_s / frame_interval_s_));
   }
   void Slip(FaultRequest& request) {
-    Add(plan_.slip_bursts, places_.Spread(request, kSlip_s / frame_interval_s_));
+    Add(plan_.slip_bursts, fault_frames_.Spread(request, kSlip_s / frame_interval_s_));
   }
 
   void GlareArea(FaultRequest& request) {
@@ -120,13 +122,13 @@ class Planner {
   int frames_;
   double frame_interval_s_;
   double glare_area_ = kGlareArea;
-  FaultPlaces places_;
+  FaultFrames fault_frames_;
   FaultPlan plan_;
 };
 
 // In this order: glare needs to know its area; images taken at given places leave the others the
 // rest; runs need room.
-enum class Turn { kArea, kPlaces, kRuns, kSingles, kOthers };
+enum class Turn { kArea, kRanges, kRuns, kSingles, kOthers };
 constexpr std::size_t kTurns = 5;
 
 struct FaultName {
@@ -186,7 +188,7 @@ FaultPlan PlanFaults(std::span<const std::string> specs, int frames, std::uint64
     const auto index = static_cast<std::size_t>(&fault - kFaultNames.data());
     const FaultRequest request = ParseSpec(spec, index, seed + kApart * times_given[index]++);
     const bool takes_images = fault.turn == Turn::kRuns || fault.turn == Turn::kSingles;
-    const Turn turn = takes_images && request.IsRange() ? Turn::kPlaces : fault.turn;
+    const Turn turn = takes_images && request.IsRange() ? Turn::kRanges : fault.turn;
     turns[static_cast<std::size_t>(turn)].push_back(request);
   }
   // The longest first, while there is room.

@@ -41,14 +41,14 @@ struct Specks {
 constexpr std::array<Specks, 2> kSpecks{{{0.009f, 0.22f, 0.0013f}, {0.031f, 0.25f, 0.0030f}}};
 
 // Bits of shell (light) and of seaweed and stone (dark): a factor on the albedo.
-float SpeckTone(const Eigen::Vector2d& place, float extent_m, std::uint32_t seed) {
+float SpeckTone(const Eigen::Vector2d& position, float extent_m, std::uint32_t seed) {
   float tone = 0.0f;
   for (const Specks& specks : kSpecks) {
     const float radius2 = specks.radius_m * specks.radius_m,
                 blurred2 = radius2 + 0.2f * extent_m * extent_m;
     const float strength = radius2 / blurred2;
     if (strength < 0.04f) continue;
-    const double x = place.x() / specks.cell_m, y = place.y() / specks.cell_m;
+    const double x = position.x() / specks.cell_m, y = position.y() / specks.cell_m;
     const std::int32_t column = FloorOf(x), row = FloorOf(y);
     const std::uint32_t hash =
         HashOf(static_cast<std::uint32_t>(column), static_cast<std::uint32_t>(row), ++seed);
@@ -66,22 +66,23 @@ float SpeckTone(const Eigen::Vector2d& place, float extent_m, std::uint32_t seed
 
 }  // namespace
 
-float SandTone(const Eigen::Vector2d& place, float extent_m, std::uint32_t seed) {
+float SandTone(const Eigen::Vector2d& position, float extent_m, std::uint32_t seed) {
   float tone = 0.0f;
   for (const auto& [length_m, depth] : kPatches) {
     const float shown = Shown(length_m, extent_m);
     if (shown == 0.0f) break;
-    tone += shown * depth * GradientNoise(place.x() / length_m, place.y() / length_m, seed++).value;
+    tone += shown * depth *
+            GradientNoise(position.x() / length_m, position.y() / length_m, seed++).value;
   }
   return tone;
 }
 
-Look SandLook(const Eigen::Vector2d& place, float extent_m, float tone, float contrast,
-              std::uint32_t seed) {
-  Look look;
+Appearance SandAppearance(const Eigen::Vector2d& position, float extent_m, float tone,
+                          float contrast, std::uint32_t seed) {
+  Appearance appearance;
   const float tint = 0.25f * contrast * tone;
   seed += 100;
-  Eigen::Vector2d turned = place;
+  Eigen::Vector2d turned = position;
   Eigen::Vector2f turn(1.0f, 0.0f);  // cosine and sine that lead back
   for (const Octave& octave : kGrains) {
     const float shown = Shown(octave.length_m, extent_m);
@@ -93,44 +94,46 @@ Look SandLook(const Eigen::Vector2d& place, float extent_m, float tone, float co
     const NoiseValue noise =
         GradientNoise(turned.x() / octave.length_m, turned.y() / octave.length_m, seed++);
     tone += shown * octave.tone * noise.value;
-    look.slope += shown * contrast * octave.relief *
-                  Eigen::Vector2f(turn.x() * noise.dx - turn.y() * noise.dy,
-                                  turn.y() * noise.dx + turn.x() * noise.dy);
+    appearance.slope += shown * contrast * octave.relief *
+                        Eigen::Vector2f(turn.x() * noise.dx - turn.y() * noise.dy,
+                                        turn.y() * noise.dx + turn.x() * noise.dy);
   }
-  tone = contrast * (tone + SpeckTone(place, extent_m, seed + 100));
-  look.albedo = std::clamp(1.0f + tone, 0.12f, 1.9f) *
-                kDrySand.cwiseProduct(Eigen::Vector3f(1.0f + tint, 1.0f, 1.0f - 1.5f * tint));
-  return look;
+  tone = contrast * (tone + SpeckTone(position, extent_m, seed + 100));
+  appearance.albedo = std::clamp(1.0f + tone, 0.12f, 1.9f) *
+                      kDrySand.cwiseProduct(Eigen::Vector3f(1.0f + tint, 1.0f, 1.0f - 1.5f * tint));
+  return appearance;
 }
 
-Look DuneLook(const Eigen::Vector2d& place, float extent_m, std::uint32_t seed) {
-  const float patch = GradientNoise(place.x() / 14.0, place.y() / 14.0, seed).value +
-                      0.5f * GradientNoise(place.x() / 4.0, place.y() / 4.0, seed + 1).value;
+Appearance DuneAppearance(const Eigen::Vector2d& position, float extent_m, std::uint32_t seed) {
+  const float patch = GradientNoise(position.x() / 14.0, position.y() / 14.0, seed).value +
+                      0.5f * GradientNoise(position.x() / 4.0, position.y() / 4.0, seed + 1).value;
   const float grass = std::clamp(3.0f * (patch - 0.05f), 0.0f, 1.0f);
-  const float tuft = 1.0f + 0.5f * Shown(0.8f, extent_m) *
-                                GradientNoise(place.x() / 0.8, place.y() / 0.8, seed + 2).value;
+  const float tuft =
+      1.0f + 0.5f * Shown(0.8f, extent_m) *
+                 GradientNoise(position.x() / 0.8, position.y() / 0.8, seed + 2).value;
   const Eigen::Vector3f green = tuft * Eigen::Vector3f(0.13f, 0.14f, 0.06f);
   return {(1.0f - grass) * 1.1f * kDrySand + grass * green};
 }
 
-Look SeaLook(const Eigen::Vector2d& place, float extent_m, std::uint32_t seed) {
+Appearance SeaAppearance(const Eigen::Vector2d& position, float extent_m, std::uint32_t seed) {
   const float swell =
-      Shown(3.0f, extent_m) * GradientNoise(place.x() / 3.0, place.y() / 18.0, seed).value;
-  const bool is_surf = place.x() > -190.0 && swell > 0.25f;
+      Shown(3.0f, extent_m) * GradientNoise(position.x() / 3.0, position.y() / 18.0, seed).value;
+  const bool is_surf = position.x() > -190.0 && swell > 0.25f;
   return {is_surf ? Eigen::Vector3f(0.6f, 0.62f, 0.62f)
                   : Eigen::Vector3f((1.0f + 0.25f * swell) * Eigen::Vector3f(0.13f, 0.17f, 0.20f))};
 }
 
-float RockTone(const Eigen::Vector3d& place, float extent_m, float contrast, std::uint32_t seed) {
+float RockTone(const Eigen::Vector3d& position, float extent_m, float contrast,
+               std::uint32_t seed) {
   float tone = 0.0f;
   for (const auto& [length_m, depth] :
        {std::array{0.21f, 0.22f}, std::array{0.07f, 0.22f}, std::array{0.026f, 0.24f},
         std::array{0.010f, 0.24f}, std::array{0.004f, 0.22f}}) {
     const float shown = Shown(length_m, extent_m);
     if (shown == 0.0f) break;
-    tone +=
-        shown * depth *
-        GradientNoise3(place.x() / length_m, place.y() / length_m, place.z() / length_m, ++seed);
+    tone += shown * depth *
+            GradientNoise3(position.x() / length_m, position.y() / length_m,
+                           position.z() / length_m, ++seed);
   }
   return std::clamp(1.0f + contrast * tone, 0.2f, 1.8f);
 }

@@ -23,9 +23,9 @@ Mesh Subdivide(const Mesh& coarse) {
   fine.vertices = coarse.vertices;
   std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> middles;
   const auto middle = [&](std::uint32_t a, std::uint32_t b) {
-    const auto [place, is_new] = middles.try_emplace(std::minmax(a, b), fine.vertices.size());
+    const auto [position, is_new] = middles.try_emplace(std::minmax(a, b), fine.vertices.size());
     if (is_new) fine.vertices.push_back((fine.vertices[a] + fine.vertices[b]).normalized());
-    return place->second;
+    return position->second;
   };
   for (const auto& [a, b, c] : coarse.triangles) {
     const auto ab = middle(a, b), bc = middle(b, c), ca = middle(c, a);

@@ -19,7 +19,7 @@ struct Body {
   RayScene scene;                       // of the mesh alone
 };
 
-struct PlacedBody {
+struct PosedBody {
   const Body* body = nullptr;
   Rigid3 world_from_body;
 };

@@ -29,10 +29,10 @@ Rigid3 WorldFromPerson(const DrivePlan& plan, const World& world, const FrameRan
   };
   const Eigen::Vector2d from = ahead(first, 3.8, 1.6), to = ahead(last, 5.5, -2.6), way = to - from;
   const double share = end_s > begin_s ? (time_s - begin_s) / (end_s - begin_s) : 0.0;
-  const Eigen::Vector2d place = from + share * way;
+  const Eigen::Vector2d position = from + share * way;
   return {
       Eigen::Quaterniond(Eigen::AngleAxisd(std::atan2(way.y(), way.x()), Eigen::Vector3d::UnitZ())),
-      {place.x(), place.y(), world.terrain().Height(place.x(), place.y())}};
+      {position.x(), position.y(), world.terrain().Height(position.x(), position.y())}};
 }
 
 std::uint32_t SeedOf(const DrivePlan& plan, const DriveFrame& frame, Eye eye) {
@@ -60,8 +60,8 @@ Photographer::Photographer(const World& world, const StereoRig& rig, const Drive
   }
 }
 
-std::vector<PlacedBody> Photographer::BodiesAt(const DriveFrame& frame) const {
-  std::vector<PlacedBody> bodies;
+std::vector<PosedBody> Photographer::BodiesAt(const DriveFrame& frame) const {
+  std::vector<PosedBody> bodies;
   if (frame.fault.shadow) bodies.push_back({rover_.get(), motion_.WorldFromBody(frame.time_s)});
   for (const FrameRange& range : plan_.faults.persons) {
     if (frame.index < range.first || frame.index >= range.end) continue;

@@ -29,7 +29,7 @@ class Photographer {
   double Write(const DriveFrame& frame, Eye eye, const std::filesystem::path& folder) const;
 
  private:
-  std::vector<PlacedBody> BodiesAt(const DriveFrame& frame) const;
+  std::vector<PosedBody> BodiesAt(const DriveFrame& frame) const;
 
   const StereoRig& rig_;
   const World& world_;

@@ -21,8 +21,8 @@ double HeightUnderWheel(const Eigen::Vector2d& wheel, const Eigen::Vector2d& for
     for (int j = 0; j < kContactsAcross; ++j) {
       const double along_m = ((i + 0.5) / kContactsAlong - 0.5) * kContactLength_m;
       const double across_m = ((j + 0.5) / kContactsAcross - 0.5) * kWheelWidth_m;
-      const Eigen::Vector2d place = wheel + along_m * forward + across_m * left;
-      sum_m += ground(place.x(), place.y());
+      const Eigen::Vector2d position = wheel + along_m * forward + across_m * left;
+      sum_m += ground(position.x(), position.y());
     }
   }
   return sum_m / (kContactsAlong * kContactsAcross);
@@ -63,9 +63,9 @@ RoverMotion::RoverMotion(RoverPath path, const GroundHeight& ground) : path_(std
 
 RoverMotion::Footing RoverMotion::FootingAt(double time_s) const {
   const double last = static_cast<double>(footings_.size() - 1);
-  const double place = std::clamp(time_s / kStep_s, 0.0, last);
-  const auto cell = static_cast<std::ptrdiff_t>(std::min(std::floor(place), last - 1.0));
-  const double u = place - static_cast<double>(cell), v = 1.0 - u;
+  const double position = std::clamp(time_s / kStep_s, 0.0, last);
+  const auto cell = static_cast<std::ptrdiff_t>(std::min(std::floor(position), last - 1.0));
+  const double u = position - static_cast<double>(cell), v = 1.0 - u;
   const std::array<double, 4> weights{v * v * v / 6.0, (4.0 - 6.0 * u * u + 3.0 * u * u * u) / 6.0,
                                       (4.0 - 6.0 * v * v + 3.0 * v * v * v) / 6.0, u * u * u / 6.0};
   Footing footing = Footing::Zero();

@@ -51,13 +51,14 @@ void SandTiles::Split(std::uint32_t node, const Eigen::Vector2d& corner, double 
   }
 }
 
-std::uint32_t SandTiles::TileAt(const Eigen::Vector2d& place) const {
+std::uint32_t SandTiles::TileAt(const Eigen::Vector2d& position) const {
   Eigen::Vector2d corner = Eigen::Vector2d::Constant(-0.5 * kCells * root_cell_m_);
   double side_m = kCells * root_cell_m_;
   std::uint32_t node = 0;
   while (nodes_[node].first_child != 0) {
     side_m *= 0.5;
-    const bool east = place.x() >= corner.x() + side_m, north = place.y() >= corner.y() + side_m;
+    const bool east = position.x() >= corner.x() + side_m,
+               north = position.y() >= corner.y() + side_m;
     corner += side_m * Eigen::Vector2d(east, north);
     node = nodes_[node].first_child + (east ? 1 : 0) + (north ? 2 : 0);
   }

@@ -28,7 +28,7 @@ class SandTiles {
 
   const std::vector<SandTile>& tiles() const { return tiles_; }
   // The tile that holds a place; places outside are taken to the nearest edge.
-  std::uint32_t TileAt(const Eigen::Vector2d& place) const;
+  std::uint32_t TileAt(const Eigen::Vector2d& position) const;
 
  private:
   struct Node {

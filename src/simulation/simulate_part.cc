@@ -87,9 +87,9 @@ std::vector<int> UnusableFrames(std::span<const DriveFrame> frames) {
 }
 
 std::vector<Eigen::Vector2d> CameraPath(std::span<const DriveFrame> frames) {
-  std::vector<Eigen::Vector2d> places;
-  for (const auto& frame : frames) places.push_back(frame.world_from_left.translation.head<2>());
-  return places;
+  std::vector<Eigen::Vector2d> positions;
+  for (const auto& frame : frames) positions.push_back(frame.world_from_left.translation.head<2>());
+  return positions;
 }
 
 void WriteTruthOfSurface(const World& world, const StereoRig& rig,

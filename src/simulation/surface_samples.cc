@@ -29,14 +29,14 @@ using Columns = std::vector<std::pair<int, int>>;
 
 Columns ColumnsNear(std::span<const Eigen::Vector2d> path, double north_m, double cell_m) {
   Columns reached;
-  for (const Eigen::Vector2d& place : path) {
-    const double north_off_m = north_m - place.y();
+  for (const Eigen::Vector2d& position : path) {
+    const double north_off_m = north_m - position.y();
     const double half2 =
         SurfaceSampler::kReach_m * SurfaceSampler::kReach_m - north_off_m * north_off_m;
     if (half2 < 0.0) continue;
     const double half_m = std::sqrt(half2);
-    reached.emplace_back(static_cast<int>(std::ceil((place.x() - half_m) / cell_m)),
-                         static_cast<int>(std::floor((place.x() + half_m) / cell_m)));
+    reached.emplace_back(static_cast<int>(std::ceil((position.x() - half_m) / cell_m)),
+                         static_cast<int>(std::floor((position.x() + half_m) / cell_m)));
   }
   std::sort(reached.begin(), reached.end());
   Columns merged;
@@ -73,8 +73,9 @@ class SandPatch {
   }
 
   // A cell is two triangles; whichever way it is cut, the sand is not higher than this.
-  double Top(const Eigen::Vector3d& place) const {
-    const double x = place.x() / cell_m_ - first_column_, y = place.y() / cell_m_ - first_row_;
+  double Top(const Eigen::Vector3d& position) const {
+    const double x = position.x() / cell_m_ - first_column_,
+                 y = position.y() / cell_m_ - first_row_;
     const int column = static_cast<int>(x), row = static_cast<int>(y);
     const double u = x - column, v = y - row;
     const double* south = heights_m_.data() + row * columns_ + column;
@@ -114,9 +115,9 @@ void ForCentroids(const std::array<Eigen::Vector3d, 3>& corner, double spacing_m
 SurfaceSampler::SurfaceSampler(const World& world, std::span<const Eigen::Vector2d> path)
     : world_(world), path_(Densified(path)) {
   double south_m = std::numeric_limits<double>::max(), north_m = -south_m;
-  for (const Eigen::Vector2d& place : path_) {
-    south_m = std::min(south_m, place.y());
-    north_m = std::max(north_m, place.y());
+  for (const Eigen::Vector2d& position : path_) {
+    south_m = std::min(south_m, position.y());
+    north_m = std::max(north_m, position.y());
   }
   const double cell_m = world.options().sand_cell_m;
   first_row_ = static_cast<int>(std::ceil((south_m - kReach_m) / cell_m));
@@ -185,9 +186,9 @@ std::vector<SurfaceSample> SurfaceSampler::Facets(const Mesh& mesh, SurfaceKind 
   return samples;
 }
 
-bool SurfaceSampler::IsNearPath(const Eigen::Vector2d& place) const {
+bool SurfaceSampler::IsNearPath(const Eigen::Vector2d& position) const {
   return std::any_of(path_.begin(), path_.end(), [&](const Eigen::Vector2d& near) {
-    return (near - place).squaredNorm() <= kReach_m * kReach_m;
+    return (near - position).squaredNorm() <= kReach_m * kReach_m;
   });
 }
 

@@ -45,7 +45,7 @@ class SurfaceSampler {
   std::vector<SurfaceSample> SandRow(int row) const;
   SurfaceSample SandNode(int column, int row) const;
   std::vector<SurfaceSample> Facets(const Mesh& mesh, SurfaceKind kind) const;
-  bool IsNearPath(const Eigen::Vector2d& place) const;
+  bool IsNearPath(const Eigen::Vector2d& position) const;
   bool IsInBoulder(const Eigen::Vector3d& position) const;
 
   const World& world_;

@@ -19,17 +19,18 @@ constexpr float kFinelyLit_m = 0.025f;      // cells up to this size get soft sh
 
 // How far to look for what stands before the sun: as far as a boulder's shadow reaches, or a
 // dune's.
-float ShadowReach(const Eigen::Vector3f& place, const LightSource& source) {
+float ShadowReach(const Eigen::Vector3f& position, const LightSource& source) {
   constexpr float kTallest_m = 1.8f, kTallestDune_m = 25.0f;
-  const bool is_far_out = std::abs(place.x()) > 0.5f * static_cast<float>(Terrain::kHinterland_m);
+  const bool is_far_out =
+      std::abs(position.x()) > 0.5f * static_cast<float>(Terrain::kHinterland_m);
   return (is_far_out ? kTallestDune_m : kTallest_m) / std::max(0.05f, source.sun_direction.z());
 }
 
 // Share of the sun seen from a place.
-float SunVisible(const Eigen::Vector3f& place, const Eigen::Vector3f& normal,
+float SunVisible(const Eigen::Vector3f& position, const Eigen::Vector3f& normal,
                  const LightSource& source, bool is_soft) {
-  const Eigen::Vector3f origin = place + kShadowRayLift_m * normal;
-  const float reach_m = ShadowReach(place, source);
+  const Eigen::Vector3f origin = position + kShadowRayLift_m * normal;
+  const float reach_m = ShadowReach(position, source);
   if (!is_soft) {
     return source.scene->IsOccluded({origin, source.sun_direction, 0.0f, reach_m}) ? 0.0f : 1.0f;
   }
@@ -48,19 +49,19 @@ float SunVisible(const Eigen::Vector3f& place, const Eigen::Vector3f& normal,
   return 0.25f * static_cast<float>(seen);
 }
 
-Light LightAt(const Eigen::Vector3f& place, const Eigen::Vector3f& normal,
+Light LightAt(const Eigen::Vector3f& position, const Eigen::Vector3f& normal,
               const LightSource& source, bool is_soft) {
   const float cosine = normal.dot(source.sun_direction);
-  const float visible = cosine <= 0.0f ? 0.0f : SunVisible(place, normal, source, is_soft);
+  const float visible = cosine <= 0.0f ? 0.0f : SunVisible(position, normal, source, is_soft);
   return {visible * std::max(cosine, 0.0f), visible, 0.5f * (1.0f + normal.z())};
 }
 
 // How much a boulder keeps of the sky from the sand at its foot.
-float SkyBesideBoulders(const Eigen::Vector2d& place, std::span<const Boulder* const> boulders) {
+float SkyBesideBoulders(const Eigen::Vector2d& position, std::span<const Boulder* const> boulders) {
   float sky = 1.0f;
   for (const Boulder* boulder : boulders) {
     const double gap_m =
-        std::max(0.0, (place - boulder->centre.head<2>()).norm() - 0.42 * boulder->width_m);
+        std::max(0.0, (position - boulder->centre.head<2>()).norm() - 0.42 * boulder->width_m);
     sky *= 1.0f - 0.55f * static_cast<float>(std::exp(-gap_m / (0.4 * boulder->height_m)));
   }
   return sky;
@@ -128,17 +129,17 @@ std::vector<SandStates::Texel> SandStates::TexelsOf(std::size_t index,
   for (int row = 0; row < kNodes; ++row) {
     for (int column = 0; column < kNodes; ++column) {
       const int at = (row + kMargin) * kSide + column + kMargin;
-      const Eigen::Vector2d place = tile.corner + tile.cell_m * Eigen::Vector2d(column, row);
+      const Eigen::Vector2d position = tile.corner + tile.cell_m * Eigen::Vector2d(column, row);
       const Eigen::Vector3f slopes(heights[at - 1] - heights[at + 1],
                                    heights[at - kSide] - heights[at + kSide], 2.0f * cell_m);
-      const Eigen::Vector3f surface(static_cast<float>(place.x()), static_cast<float>(place.y()),
-                                    heights[at]);
+      const Eigen::Vector3f surface(static_cast<float>(position.x()),
+                                    static_cast<float>(position.y()), heights[at]);
       const Light light =
           LightAt(surface, slopes.normalized(), around.source, cell_m <= kFinelyLit_m);
       const float sky =
-          light.sky * SkyInHollow(heights, at, cell_m) * SkyBesideBoulders(place, near);
+          light.sky * SkyInHollow(heights, at, cell_m) * SkyBesideBoulders(position, near);
       texels[row * kNodes + column] = {light.sun, light.visible, sky,
-                                       SandTone(place, cell_m, around.seed)};
+                                       SandTone(position, cell_m, around.seed)};
     }
   }
   return texels;
@@ -164,11 +165,12 @@ void SandStates::AddMeans(std::vector<Texel>& texels) const {
   }
 }
 
-SandStates::Texel SandStates::Sample(std::uint32_t tile, const Eigen::Vector2d& place,
+SandStates::Texel SandStates::Sample(std::uint32_t tile, const Eigen::Vector2d& position,
                                      int level) const {
   const SandTile& sand = tiles_.tiles()[tile];
   const int cells = SandTiles::kCells >> level, side = cells + 1;
-  const Eigen::Vector2f at = ((place - sand.corner) / (sand.cell_m * (1 << level))).cast<float>();
+  const Eigen::Vector2f at =
+      ((position - sand.corner) / (sand.cell_m * (1 << level))).cast<float>();
   const auto limit = static_cast<float>(cells);
   const float x = std::clamp(at.x(), 0.0f, limit), y = std::clamp(at.y(), 0.0f, limit);
   const int column = std::min(static_cast<int>(x), cells - 1),
@@ -182,11 +184,12 @@ SandStates::Texel SandStates::Sample(std::uint32_t tile, const Eigen::Vector2d& 
   return below + v * (above - below);
 }
 
-SandState SandStates::At(std::uint32_t tile, const Eigen::Vector2d& place, float extent_m) const {
+SandState SandStates::At(std::uint32_t tile, const Eigen::Vector2d& position,
+                         float extent_m) const {
   const SandTile* sand = &tiles_.tiles()[tile];
-  const Eigen::Array2d inside = (place - sand->corner).array();
+  const Eigen::Array2d inside = (position - sand->corner).array();
   if ((inside < 0.0).any() || (inside > SandTiles::kCells * sand->cell_m).any()) {
-    tile = tiles_.TileAt(place);
+    tile = tiles_.TileAt(position);
     sand = &tiles_.tiles()[tile];
   }
   // Cells doubled until they are as wide as the extent; between two levels by the share that is
@@ -195,9 +198,9 @@ SandState SandStates::At(std::uint32_t tile, const Eigen::Vector2d& place, float
   int level = 0;
   for (; width >= 2.0f && level < kLevels - 1; ++level) width *= 0.5f;
   const float share = std::clamp(width - 1.0f, 0.0f, 1.0f);
-  Texel texel = Sample(tile, place, level);
+  Texel texel = Sample(tile, position, level);
   if (share > 0.02f && level < kLevels - 1) {
-    texel += share * (Sample(tile, place, level + 1) - texel);
+    texel += share * (Sample(tile, position, level + 1) - texel);
   }
   return {{texel.x(), texel.y(), texel.z()}, texel.w()};
 }

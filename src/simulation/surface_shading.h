@@ -49,7 +49,7 @@ class SandStates {
 
   // Mean over about `extent_m` around a place of a tile; a place beyond the tile is looked up in
   // the one that holds it.
-  SandState At(std::uint32_t tile, const Eigen::Vector2d& place, float extent_m) const;
+  SandState At(std::uint32_t tile, const Eigen::Vector2d& position, float extent_m) const;
 
  private:
   using Texel = Eigen::Vector4f;  // sun, visible, sky, tone
@@ -57,7 +57,7 @@ class SandStates {
 
   std::vector<Texel> TexelsOf(std::size_t tile, const Surroundings& around) const;
   void AddMeans(std::vector<Texel>& texels) const;
-  Texel Sample(std::uint32_t tile, const Eigen::Vector2d& place, int level) const;
+  Texel Sample(std::uint32_t tile, const Eigen::Vector2d& position, int level) const;
 
   const SandTiles& tiles_;
   std::size_t texels_per_tile_ = 0;

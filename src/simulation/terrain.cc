@@ -30,8 +30,8 @@ struct Footprint {
 
   static constexpr double kReach_m = 0.3;
 
-  double Height(const Eigen::Vector2d& place, double cell_m) const {
-    const Eigen::Vector2d offset = place - centre;
+  double Height(const Eigen::Vector2d& position, double cell_m) const {
+    const Eigen::Vector2d offset = position - centre;
     const double forward = offset.dot(along) / 0.15,
                  aside = (along.x() * offset.y() - along.y() * offset.x()) / 0.065;
     const double distance2 = forward * forward + aside * aside;
@@ -51,8 +51,8 @@ struct TyreTrack {
   static constexpr double kGauge_m = 1.5, kWidth_m = 0.2, kDepth_m = 0.018, kLug_m = 0.11;
   static constexpr double kReach_m = 0.5 * kGauge_m + 0.4;
 
-  double Height(const Eigen::Vector2d& place, double cell_m) const {
-    const Eigen::Vector2d offset = place - centre;
+  double Height(const Eigen::Vector2d& position, double cell_m) const {
+    const Eigen::Vector2d offset = position - centre;
     const double along_m = radius_m * std::remainder(std::atan2(offset.y(), offset.x()) - first_rad,
                                                      2.0 * std::numbers::pi);
     if (along_m < 0.0 || along_m > length_m) return 0.0;
@@ -75,10 +75,10 @@ template <class Thing>
 class Buckets {
  public:
   void Add(const Thing& thing) { things_.push_back(thing); }
-  // Notes the last thing added in all buckets within its reach of `place`.
-  void Cover(const Eigen::Vector2d& place) {
-    const auto low = Index(place.array() - Thing::kReach_m),
-               high = Index(place.array() + Thing::kReach_m);
+  // Notes the last thing added in all buckets within its reach of `position`.
+  void Cover(const Eigen::Vector2d& position) {
+    const auto low = Index(position.array() - Thing::kReach_m),
+               high = Index(position.array() + Thing::kReach_m);
     const auto last = static_cast<std::uint32_t>(things_.size() - 1);
     for (int y = low.y(); y <= high.y(); ++y) {
       for (int x = low.x(); x <= high.x(); ++x) {
@@ -88,12 +88,12 @@ class Buckets {
       }
     }
   }
-  double Height(const Eigen::Vector2d& place, double cell_m) const {
-    const auto index = Index(place);
+  double Height(const Eigen::Vector2d& position, double cell_m) const {
+    const auto index = Index(position);
     if (!IsInside(index.x(), index.y())) return 0.0;
     double sum = 0.0;
     for (const std::uint32_t i : buckets_[index.y() * kSide + index.x()]) {
-      sum += things_[i].Height(place, cell_m);
+      sum += things_[i].Height(position, cell_m);
     }
     return sum;
   }
@@ -101,8 +101,8 @@ class Buckets {
  private:
   static constexpr int kSide = static_cast<int>(2.0 * Terrain::kTrodden_m / kBucket_m);
 
-  static Eigen::Vector2i Index(const Eigen::Array2d& place) {
-    return ((place + Terrain::kTrodden_m) / kBucket_m).floor().cast<int>();
+  static Eigen::Vector2i Index(const Eigen::Array2d& position) {
+    return ((position + Terrain::kTrodden_m) / kBucket_m).floor().cast<int>();
   }
   static bool IsInside(int x, int y) { return x >= 0 && y >= 0 && x < kSide && y < kSide; }
 
@@ -120,17 +120,17 @@ Buckets<Footprint> WalkTrails(const TerrainOptions& options) {
   HashSequence random(options.seed, 11);
   const int trails = static_cast<int>(options.footprint_trails * kTroddenArea_m2 / 100.0);
   for (int i = 0; i < trails; ++i) {
-    Eigen::Vector2d place(random.Between(-Terrain::kTrodden_m, Terrain::kTrodden_m),
-                          random.Between(-Terrain::kTrodden_m, Terrain::kTrodden_m));
+    Eigen::Vector2d position(random.Between(-Terrain::kTrodden_m, Terrain::kTrodden_m),
+                             random.Between(-Terrain::kTrodden_m, Terrain::kTrodden_m));
     double heading = random.Between(0.0, 2.0 * std::numbers::pi);
     const double depth_m = random.Between(0.012, 0.03);
     for (int step = 0; step < kSteps; ++step) {
       const Eigen::Vector2d along(std::cos(heading), std::sin(heading)),
           left(-along.y(), along.x());
-      footprints.Add({place + (step % 2 ? kHalfGait_m : -kHalfGait_m) * left, along,
+      footprints.Add({position + (step % 2 ? kHalfGait_m : -kHalfGait_m) * left, along,
                       depth_m * random.Between(0.7, 1.2)});
-      footprints.Cover(place);
-      place += kStride_m * random.Between(0.9, 1.1) * along;
+      footprints.Cover(position);
+      position += kStride_m * random.Between(0.9, 1.1) * along;
       heading += random.Between(-0.15, 0.15);
     }
   }
@@ -159,13 +159,14 @@ Buckets<TyreTrack> DriveTracks(const TerrainOptions& options) {
 }
 
 // Octaves of noise between two lengths, each half as long and `fall` times as high as the last.
-double Octaves(const Eigen::Vector2d& place, double longest_m, double shortest_m, double fall,
+double Octaves(const Eigen::Vector2d& position, double longest_m, double shortest_m, double fall,
                double cell_m, std::uint32_t seed) {
   double sum = 0.0, height = 1.0;
   for (double length_m = longest_m; length_m >= shortest_m; length_m *= 0.5, height *= fall) {
     const double kept = Kept(length_m, cell_m);
     if (kept == 0.0) break;
-    sum += kept * height * GradientNoise(place.x() / length_m, place.y() / length_m, seed++).value;
+    sum += kept * height *
+           GradientNoise(position.x() / length_m, position.y() / length_m, seed++).value;
   }
   return sum;
 }
@@ -179,27 +180,27 @@ struct Terrain::Impl {
   Buckets<TyreTrack> tracks;
 
   // Ridges with a steep lee side whose crests wander, in patches.
-  double Ripples(const Eigen::Vector2d& place, double cell_m) const {
+  double Ripples(const Eigen::Vector2d& position, double cell_m) const {
     constexpr double kLength_m = 0.085;
     const double kept = Kept(kLength_m, cell_m);
     if (kept == 0.0) return 0.0;
     const double wander =
-        0.11 * GradientNoise(place.x() / 0.55, place.y() / 0.55, seed + 41).value +
-        0.05 * GradientNoise(place.x() / 0.19, place.y() / 0.19, seed + 42).value;
+        0.11 * GradientNoise(position.x() / 0.55, position.y() / 0.55, seed + 41).value +
+        0.05 * GradientNoise(position.x() / 0.19, position.y() / 0.19, seed + 42).value;
     const double patch =
-        0.55 + 0.45 * GradientNoise(place.x() / 1.3, place.y() / 1.3, seed + 43).value * 1.8;
+        0.55 + 0.45 * GradientNoise(position.x() / 1.3, position.y() / 1.3, seed + 43).value * 1.8;
     const double phase =
-        2.0 * std::numbers::pi * (0.8 * place.x() + 0.6 * place.y() + wander) / kLength_m;
+        2.0 * std::numbers::pi * (0.8 * position.x() + 0.6 * position.y() + wander) / kLength_m;
     return kept * std::clamp(patch, 0.0, 1.2) * (std::sin(phase + 0.45 * std::sin(phase)));
   }
 
   // What closes the horizon: nothing within the hinterland.
-  double Shores(const Eigen::Vector2d& place) const {
-    const double east_m = place.x() - kHinterland_m, west_m = -place.x() - kHinterland_m;
+  double Shores(const Eigen::Vector2d& position) const {
+    const double east_m = position.x() - kHinterland_m, west_m = -position.x() - kHinterland_m;
     double height_m = 0.0;
     if (east_m > 0.0) {
       const double rise = SmoothStep(0.0, 45.0, east_m);
-      height_m += rise * (7.0 + 5.0 * Octaves(place, 60.0, 7.0, 0.5, 0.0, seed + 70));
+      height_m += rise * (7.0 + 5.0 * Octaves(position, 60.0, 7.0, 0.5, 0.0, seed + 70));
     }
     if (west_m > 0.0) height_m -= 3.0 * SmoothStep(0.0, 60.0, west_m);
     return height_m;
@@ -214,11 +215,11 @@ Terrain::Terrain(Terrain&&) noexcept = default;
 
 double Terrain::Height(double east_m, double north_m, double cell_m) const {
   const auto& [options, seed, footprints, tracks] = *impl_;
-  const Eigen::Vector2d place(east_m, north_m);
-  return options.undulation_m * Octaves(place, 7.0, 0.8, 0.45, cell_m, seed) +
-         options.roughness_m * Octaves(place, 0.6, 0.035, 0.55, cell_m, seed + 20) +
-         options.ripple_m * impl_->Ripples(place, cell_m) + footprints.Height(place, cell_m) +
-         tracks.Height(place, cell_m) + impl_->Shores(place);
+  const Eigen::Vector2d position(east_m, north_m);
+  return options.undulation_m * Octaves(position, 7.0, 0.8, 0.45, cell_m, seed) +
+         options.roughness_m * Octaves(position, 0.6, 0.035, 0.55, cell_m, seed + 20) +
+         options.ripple_m * impl_->Ripples(position, cell_m) + footprints.Height(position, cell_m) +
+         tracks.Height(position, cell_m) + impl_->Shores(position);
 }
 
 }  // namespace rigmap

@@ -53,11 +53,11 @@ std::string AntennaText(std::span<const TruthFrame> frames, const Eigen::Vector3
   std::string text = "# unix_s enu_x enu_y enu_z utm31_easting utm31_northing ellipsoid_alt\n";
   for (const TruthFrame& frame : frames) {
     const Eigen::Vector3d antenna = frame.world_from_left * antenna_in_left;
-    const Geodetic place = local.ToGeodetic(antenna);
-    const UtmPoint utm = ToUtm31(place);
+    const Geodetic position = local.ToGeodetic(antenna);
+    const UtmPoint utm = ToUtm31(position);
     text += fmt::format("{} {:.6f} {:.6f} {:.6f} {:.6f} {:.6f} {:.6f}\n",
                         FormatMilliseconds(frame.stamp_ns), antenna.x(), antenna.y(), antenna.z(),
-                        utm.easting_m, utm.northing_m, place.altitude_m);
+                        utm.easting_m, utm.northing_m, position.altitude_m);
   }
   return text;
 }
@@ -130,13 +130,13 @@ std::string TruthText(const TruthSetting& setting, const LocalFrame& local) {
   return json.dump(1) + '\n';
 }
 
-double DistanceFrom(std::span<const Eigen::Vector2d> path, const Eigen::Vector2d& place) {
+double DistanceFrom(std::span<const Eigen::Vector2d> path, const Eigen::Vector2d& position) {
   double nearest_m = std::numeric_limits<double>::max();
   for (std::size_t i = 0; i < path.size(); ++i) {
     const Eigen::Vector2d step = path[std::min(i + 1, path.size() - 1)] - path[i];
-    const double along = (place - path[i]).dot(step) / std::max(step.squaredNorm(), 1e-12);
+    const double along = (position - path[i]).dot(step) / std::max(step.squaredNorm(), 1e-12);
     const Eigen::Vector2d foot = path[i] + std::clamp(along, 0.0, 1.0) * step;
-    nearest_m = std::min(nearest_m, (place - foot).norm());
+    nearest_m = std::min(nearest_m, (position - foot).norm());
   }
   return nearest_m;
 }

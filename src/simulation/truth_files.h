@@ -50,8 +50,8 @@ struct TruthSetting {
 void WriteTruthFiles(const std::filesystem::path& folder, std::span<const TruthFrame> frames,
                      const TruthSetting& setting, const LocalFrame& local);
 
-// rocks.json: of each boulder its size, exact place and top, and path_dist, its centre's distance
-// from the way (straight lines between the places of `path`). Throws as above.
+// rocks.json: of each boulder its size, exact position and top, and path_dist, its centre's
+// distance from the way (straight lines between the places of `path`). Throws as above.
 void WriteTruthRocks(const std::filesystem::path& file, std::span<const Boulder> boulders,
                      std::span<const Eigen::Vector2d> path, const LocalFrame& local);
 

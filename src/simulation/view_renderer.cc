@@ -31,17 +31,17 @@ constexpr std::uint32_t kNoThing = 0xFFFFFFFFu, kFirstBody = 0xFFFFFFF0u;
 class ViewRenderer::View {
  public:
   View(const ViewRenderer& renderer, const Rigid3& world_from_camera,
-       std::span<const PlacedBody> bodies)
+       std::span<const PosedBody> bodies)
       : rays_(renderer.rays_),
         columns_(renderer.camera_.width + 2),
         parts_(renderer.world_.parts()),
         sun_(parts_.options.SunDirection().cast<float>()),
-        seed_(parts_.look_seed),
+        seed_(parts_.material_seed),
         contrast_(static_cast<float>(parts_.options.contrast)),
         rotation_(world_from_camera.rotation.toRotationMatrix().cast<float>()),
         origin_(world_from_camera.translation.cast<float>()),
         bodies_(bodies) {
-    for (const PlacedBody& body : bodies) {
+    for (const PosedBody& body : bodies) {
       const Rigid3 body_from_world = body.world_from_body.Inverse();
       turns_.push_back(body_from_world.rotation.toRotationMatrix().cast<float>());
       shifts_.push_back(body_from_world.translation.cast<float>());
@@ -58,7 +58,7 @@ class ViewRenderer::View {
   Sample At(float column, float row) const {
     const int x = static_cast<int>(std::floor(column)), y = static_cast<int>(std::floor(row));
     const Eigen::Vector3f direction = rotation_ * RayAt(column, row);
-    return Look(direction, parts_.scene.Cast({origin_, direction}), StepsAt(x, y));
+    return SampleAlong(direction, parts_.scene.Cast({origin_, direction}), StepsAt(x, y));
   }
 
   // The centres of the pixels of a row.
@@ -71,7 +71,7 @@ class ViewRenderer::View {
       }
       const auto hits = parts_.scene.Cast(origin_, directions);
       for (int i = 0; i < std::min(8, width - first); ++i) {
-        samples[first + i] = Look(directions[i], hits[i], StepsAt(first + i, row));
+        samples[first + i] = SampleAlong(directions[i], hits[i], StepsAt(first + i, row));
       }
     }
   }
@@ -100,15 +100,15 @@ class ViewRenderer::View {
     return {turns_[i] * origin + shifts_[i], turns_[i] * direction};
   }
 
-  bool BodiesShade(const Eigen::Vector3f& place) const {
+  bool BodiesShade(const Eigen::Vector3f& position) const {
     for (std::size_t i = 0; i < bodies_.size(); ++i) {
-      if (bodies_[i].body->scene.IsOccluded(InBody(i, place, sun_))) return true;
+      if (bodies_[i].body->scene.IsOccluded(InBody(i, position, sun_))) return true;
     }
     return false;
   }
 
-  Sample Look(const Eigen::Vector3f& direction, const std::optional<RayHit>& hit,
-              const RaySteps& steps) const {
+  Sample SampleAlong(const Eigen::Vector3f& direction, const std::optional<RayHit>& hit,
+                     const RaySteps& steps) const {
     float distance_m = hit ? hit->distance : kSky_m;
     std::optional<Sample> body;
     for (std::size_t i = 0; i < bodies_.size(); ++i) {
@@ -123,12 +123,12 @@ class ViewRenderer::View {
     if (!hit) return {SkyRadiance(direction, sun_, seed_), 0.0f, kNoThing};
     Eigen::Vector3f normal = hit->normal.normalized();
     if (normal.dot(direction) > 0.0f) normal = -normal;
-    const Eigen::Vector3f place = origin_ + distance_m * direction;
+    const Eigen::Vector3f position = origin_ + distance_m * direction;
     const bool is_sand = hit->geometry == parts_.sand_geometry;
     // The mean slope is what a pixel of sand covers; single facets would make it flicker.
     const PixelFootprint cover = FootprintOn(
         direction, steps, is_sand ? Eigen::Vector3f::UnitZ().eval() : normal, distance_m);
-    const Colour lit = is_sand ? OnSand(*hit, place, cover) : OnSolid(*hit, place, cover);
+    const Colour lit = is_sand ? OnSand(*hit, position, cover) : OnSolid(*hit, position, cover);
     return {InHaze(lit, distance_m), 1.0f / distance_m, ThingAt(*hit)};
   }
 
@@ -143,37 +143,37 @@ class ViewRenderer::View {
     return colour + haze * (Colour(0.92f, 0.93f, 0.94f) - colour);
   }
 
-  Colour Lit(const rigmap::Look& look, Light light, const Eigen::Vector3f& place) const {
+  Colour Lit(const Appearance& appearance, Light light, const Eigen::Vector3f& position) const {
     if (!bodies_.empty() && light.visible > 0.0f &&
-        BodiesShade(place + Eigen::Vector3f(0.0f, 0.0f, kSunRayLift_m))) {
+        BodiesShade(position + Eigen::Vector3f(0.0f, 0.0f, kSunRayLift_m))) {
       light.sun = light.visible = 0.0f;
     }
     // Small relief tilts the surface; it faces the sky a little less on the whole.
-    const float tilt = -look.slope.dot(sun_.head<2>());
+    const float tilt = -appearance.slope.dot(sun_.head<2>());
     const float sun = std::max(0.0f, light.sun + light.visible * tilt);
-    const float sky = light.sky * (1.0f - 0.15f * std::min(1.0f, look.slope.squaredNorm()));
-    return look.albedo.cwiseProduct(sun * kSun + sky * kSky);
+    const float sky = light.sky * (1.0f - 0.15f * std::min(1.0f, appearance.slope.squaredNorm()));
+    return appearance.albedo.cwiseProduct(sun * kSun + sky * kSky);
   }
 
-  Colour OnSand(const RayHit& hit, const Eigen::Vector3f& place,
+  Colour OnSand(const RayHit& hit, const Eigen::Vector3f& position,
                 const PixelFootprint& cover) const {
     const int samples = cover.Samples();
     const float extent_m = std::max(cover.across_m, cover.along_m / static_cast<float>(samples));
-    const bool is_dune = place.x() > Terrain::kHinterland_m;
+    const bool is_dune = position.x() > Terrain::kHinterland_m;
     Colour sum = Colour::Zero();
     for (int i = 0; i < samples; ++i) {
       const float share = (static_cast<float>(i) + 0.5f) / static_cast<float>(samples) - 0.5f;
-      const Eigen::Vector3f at = place + share * cover.along;
+      const Eigen::Vector3f at = position + share * cover.along;
       const Eigen::Vector2d flat = at.head<2>().cast<double>();
       const SandState sand = parts_.sand->At(hit.facet, flat, extent_m);
-      sum += Lit(is_dune ? DuneLook(flat, extent_m, seed_)
-                         : SandLook(flat, extent_m, sand.tone, contrast_, seed_),
+      sum += Lit(is_dune ? DuneAppearance(flat, extent_m, seed_)
+                         : SandAppearance(flat, extent_m, sand.tone, contrast_, seed_),
                  sand.light, at);
     }
     return sum / static_cast<float>(samples);
   }
 
-  Colour OnSolid(const RayHit& hit, const Eigen::Vector3f& place,
+  Colour OnSolid(const RayHit& hit, const Eigen::Vector3f& position,
                  const PixelFootprint& cover) const {
     const LitMesh& solid = *parts_.SolidOf(hit.geometry);
     const auto& [a, b, c] = solid.mesh.triangles[hit.facet];
@@ -183,13 +183,13 @@ class ViewRenderer::View {
                       w * la.visible + u * lb.visible + v * lc.visible,
                       w * la.sky + u * lb.sky + v * lc.sky};
     const float extent_m = std::max(cover.across_m, cover.along_m / 2.0f);
-    rigmap::Look look{solid.albedo[a]};
+    Appearance appearance{solid.albedo[a]};
     if (solid.kind == SurfaceKind::kSea) {
-      look = SeaLook(place.head<2>().cast<double>(), extent_m, seed_);
+      appearance = SeaAppearance(position.head<2>().cast<double>(), extent_m, seed_);
     } else if (solid.kind == SurfaceKind::kRock) {
-      look.albedo *= RockTone(place.cast<double>(), extent_m, contrast_, seed_ + 5);
+      appearance.albedo *= RockTone(position.cast<double>(), extent_m, contrast_, seed_ + 5);
     }
-    return Lit(look, light, place);
+    return Lit(appearance, light, position);
   }
 
   Sample OnBody(std::size_t i, const RayHit& hit) const {
@@ -210,7 +210,7 @@ class ViewRenderer::View {
   float contrast_;
   Eigen::Matrix3f rotation_;
   Eigen::Vector3f origin_;
-  std::span<const PlacedBody> bodies_;
+  std::span<const PosedBody> bodies_;
   std::vector<Eigen::Matrix3f> turns_;  // body_from_world, in single precision
   std::vector<Eigen::Vector3f> shifts_;
 };
@@ -233,7 +233,7 @@ ViewRenderer::ViewRenderer(const World& world, const Camera& camera)
 }
 
 cv::Mat ViewRenderer::Render(const Rigid3& world_from_camera,
-                             std::span<const PlacedBody> bodies) const {
+                             std::span<const PosedBody> bodies) const {
   const View view(*this, world_from_camera, bodies);
   const int width = camera_.width, height = camera_.height;
   std::vector<View::Sample> samples(static_cast<std::size_t>(width) * height);

@@ -22,7 +22,7 @@ class ViewRenderer {
 
   // Red, green, blue per pixel (CV_32FC3): sunlit sand is about 0.4. Each pixel is one ray through
   // its centre, with surfaces averaged over what the pixel covers, and more rays where edges cross.
-  cv::Mat Render(const Rigid3& world_from_camera, std::span<const PlacedBody> bodies = {}) const;
+  cv::Mat Render(const Rigid3& world_from_camera, std::span<const PosedBody> bodies = {}) const;
 
  private:
   class View;

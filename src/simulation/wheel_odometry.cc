@@ -52,8 +52,9 @@ double BurstAt(const std::vector<TimeSpan>& bursts, double time_s) {
 
 // Velocity of the ground's place under a wheel, in body axes, m/s.
 Eigen::Vector2d VelocityOf(std::size_t wheel, const PlanarState& state) {
-  const Eigen::Vector2d& place = kWheelInBody[wheel];
-  return {state.speed_mps - state.yaw_rate_radps * place.y(), state.yaw_rate_radps * place.x()};
+  const Eigen::Vector2d& position = kWheelInBody[wheel];
+  return {state.speed_mps - state.yaw_rate_radps * position.y(),
+          state.yaw_rate_radps * position.x()};
 }
 
 // Where a corner wheel should point; as it did, at rest.

@@ -53,24 +53,24 @@ Mesh Disc(const Eigen::Vector3d& centre, double radius_m, const Eigen::Vector3f&
 }
 
 // Places for markers: ahead of the outline and beside it, near enough to be seen well.
-std::vector<Eigen::Vector3d> PlaceMarkers(const Terrain& terrain,
-                                          std::span<const Eigen::Vector2d> outline, int count,
-                                          std::uint64_t seed) {
+std::vector<Eigen::Vector3d> ScatterMarkers(const Terrain& terrain,
+                                            std::span<const Eigen::Vector2d> outline, int count,
+                                            std::uint64_t seed) {
   std::vector<Eigen::Vector3d> markers;
   HashSequence random(seed, 41);
   for (int i = 0; i < count; ++i) {
     const auto at = static_cast<std::size_t>(random.Unit() * static_cast<double>(outline.size()));
     const double angle = random.Between(0.0, 2.0 * std::numbers::pi),
                  away_m = random.Between(0.8, 3.5);
-    const Eigen::Vector2d place =
+    const Eigen::Vector2d position =
         outline[at] + away_m * Eigen::Vector2d(std::cos(angle), std::sin(angle));
     double highest_m = -1e9;
     for (int step = 0; step < 64; ++step) {
       const double turn = 0.4 * step, out_m = 0.13 * step / 64.0;
-      highest_m = std::max(highest_m, terrain.Height(place.x() + out_m * std::cos(turn),
-                                                     place.y() + out_m * std::sin(turn)));
+      highest_m = std::max(highest_m, terrain.Height(position.x() + out_m * std::cos(turn),
+                                                     position.y() + out_m * std::sin(turn)));
     }
-    markers.emplace_back(place.x(), place.y(), highest_m + 0.01);
+    markers.emplace_back(position.x(), position.y(), highest_m + 0.01);
   }
   return markers;
 }
@@ -118,9 +118,9 @@ SurfaceKind World::Parts::KindOf(const RayHit& hit) const {
 
 World::World(const SceneOptions& options, std::span<const Eigen::Vector2d> outline) {
   Terrain terrain(options.terrain);
-  auto boulders = PlaceBoulders(terrain, outline, options.boulders_per_100_m2, options.seed);
+  auto boulders = ScatterBoulders(terrain, outline, options.boulders_per_100_m2, options.seed);
   auto debris = StrewDebris(terrain, outline, kFineSand_m, options.debris_per_m2, options.seed);
-  auto markers = PlaceMarkers(terrain, outline, options.markers, options.seed);
+  auto markers = ScatterMarkers(terrain, outline, options.markers, options.seed);
   parts_.reset(new Parts{.options = options,
                          .terrain = std::move(terrain),
                          .boulders = std::move(boulders),
@@ -143,9 +143,9 @@ World::World(const SceneOptions& options, std::span<const Eigen::Vector2d> outli
   parts.scene.Commit();
   const LightSource source{options.SunDirection().cast<float>(), &parts.scene};
   for (LitMesh& solid : parts.solids) solid.light = LightOnMesh(solid.mesh, source);
-  parts.look_seed = HashSequence(options.seed, 51).Next();
+  parts.material_seed = HashSequence(options.seed, 51).Next();
   parts.sand = std::make_unique<SandStates>(
-      parts.tiles, SandStates::Surroundings{heights, parts.boulders, source, parts.look_seed});
+      parts.tiles, SandStates::Surroundings{heights, parts.boulders, source, parts.material_seed});
 }
 
 World::~World() = default;

@@ -29,7 +29,7 @@ struct World::Parts {
   std::uint32_t sand_geometry = 0;
   std::vector<LitMesh> solids;  // boulders, debris, markers, sea
   std::unique_ptr<SandStates> sand;
-  std::uint32_t look_seed = 0;  // of the materials
+  std::uint32_t material_seed = 0;  // of the materials
 
   const LitMesh* SolidOf(std::uint32_t geometry) const;
   SurfaceKind KindOf(const RayHit& hit) const;

@@ -47,9 +47,10 @@ Uncertain PoseOf(int i, const Odometry& odometry, const Adjustment& adjustment,
                  const std::vector<Uncertain>& known) {
   const OdometryFrame& frame = odometry[i];
   const auto& adjusted = adjustment.world_from_left[i];
-  if (adjusted && adjustment.anchors[i] != i) {
-    // Known relative to its anchor, whose own uncertainty it shares.
-    return {*adjusted, Carry(known[adjustment.anchors[i]], *adjusted) + adjustment.covariances[i]};
+  if (adjusted && adjustment.datum_frames[i] != i) {
+    // Known relative to its datum frame, whose own uncertainty it shares.
+    return {*adjusted,
+            Carry(known[adjustment.datum_frames[i]], *adjusted) + adjustment.covariances[i]};
   }
   if (frame.reference == i) return {adjusted.value_or(frame.world_from_left)};
   const Uncertain& reference = known[frame.reference];

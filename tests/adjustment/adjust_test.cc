@@ -184,12 +184,12 @@ TEST_F(AdjustTest, MetresComeFromTheRig) {
   EXPECT_NEAR(half_m / length_m, 0.5, 0.0005);
 }
 
-TEST_F(AdjustTest, PartsThatShareNothingKeepTheirStartingPlaces) {
+TEST_F(AdjustTest, PartsThatShareNothingKeepTheirStartingPositions) {
   Make({.frames = 10, .points_per_m2 = 8.0, .seed = 72});
   CutBefore(4, correspondences_);
   const auto odometric = BadOdometry();
   const Adjustment adjusted = Adjust(AllOf(odometric));
-  EXPECT_THAT(adjusted.anchors, testing::ElementsAre(0, 0, 0, 0, 4, 4, 4, 4, 4, 4));
+  EXPECT_THAT(adjusted.datum_frames, testing::ElementsAre(0, 0, 0, 0, 4, 4, 4, 4, 4, 4));
   EXPECT_LT(ErrorOf(*adjusted.world_from_left[4], odometric[4]).norm(), 1e-12);  // m, rad
   // Within the second part the path is as good as ever.
   const Rigid3 found = adjusted.world_from_left[4]->Inverse() * *adjusted.world_from_left[9];

@@ -94,10 +94,10 @@ TEST_F(CalibrationTest, ARefinedRigMovesToTheTruthAndKeepsItsBaseline) {
 TEST_F(CalibrationTest, APriorAsSureAsTheImagesMeetsThemHalfway) {
   TurnRight(kTurn_rad * Eigen::Vector3d::UnitX());
   const MaybePoses poses = AllOf(rover_.world_from_left);
-  const Adjustment free =
+  const Adjustment loose =
       Adjust(poses, {.refine_rig = RigRefinement::kRotation, .rig_prior_deg = 10.0});
   const double of_images_deg =
-      RotationAndFocalStep(*free.calibration)->rig_rotation_sigma.x() / kDegree;
+      RotationAndFocalStep(*loose.calibration)->rig_rotation_sigma.x() / kDegree;
   const Adjustment drawn = Adjust(poses, {.refine_rig = RigRefinement::kRotation,
                                           .rig_prior_deg = of_images_deg,
                                           .shared_noise = 1.0});

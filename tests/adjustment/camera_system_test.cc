@@ -85,7 +85,7 @@ TEST_F(CameraSystemTest, CovariancesAreThoseOfTheWholeSystem) {
 TEST_F(CameraSystemTest, TheFirstFrameIsCertainAndDoubtGrowsAlongThePath) {
   Make({.frames = 12, .points_per_m2 = 5.0, .seed = 52});
   const CameraSystemResult result = Solve(0.2);
-  EXPECT_THAT(result.anchors, testing::Each(0));
+  EXPECT_THAT(result.datum_frames, testing::Each(0));
   EXPECT_EQ(result.covariances[0], Matrix6d::Zero());
   const auto variance_m2 = [&](int frame) {
     return result.covariances[frame].topLeftCorner<3, 3>().trace();
@@ -131,7 +131,7 @@ TEST_F(CameraSystemTest, FramesThatShareNothingHangOnTheirOwnFirst) {
   CutBefore(3, correspondences_);
   Triangulate();
   const CameraSystemResult result = Solve(0.2);
-  EXPECT_THAT(result.anchors, testing::ElementsAre(0, 0, 0, 3, 3, 3, 3, 3));
+  EXPECT_THAT(result.datum_frames, testing::ElementsAre(0, 0, 0, 3, 3, 3, 3, 3));
   EXPECT_EQ(result.covariances[3], Matrix6d::Zero());
   for (int frame : {1, 2, 4, 7}) {
     const Eigen::Matrix3d of_position = result.covariances[frame].topLeftCorner<3, 3>();
@@ -148,7 +148,7 @@ TEST_F(CameraSystemTest, FramesWithoutPointsAreLeftAlone) {
   const CameraSystemResult result = Solve(0.2);
   ASSERT_EQ(result.covariances.size(), 5u);
   EXPECT_EQ(result.covariances[2], Matrix6d::Zero());
-  EXPECT_EQ(result.anchors[2], 2);
+  EXPECT_EQ(result.datum_frames[2], 2);
   EXPECT_FALSE(SolveCameraSystem({}, left_from_world_, rover_.rig, 0.2, 1.0).calibration);
 }
 

@@ -97,7 +97,7 @@ TEST(FileTest, WhatCannotBeReadIsNamed) {
               HasSubstr("expected a file, found a folder"));
 }
 
-TEST(FolderTest, NewFolderTakesThePlaceOfTheOld) {
+TEST(FolderTest, NewFolderReplacesTheOld) {
   const TemporaryFolder folder;
   folder.Write("model/old.txt", "old");
   const auto path = folder.Path() / "model";

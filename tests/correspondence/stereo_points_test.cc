@@ -58,7 +58,7 @@ TEST(TriangulateFeatures, SigmaIsWhatTheDisparityNoiseDoesAlongTheRay) {
   }
 }
 
-TEST(TriangulateFeatures, GivesNothingWithoutAPartnerOrBehind) {
+TEST(TriangulateFeatures, GivesNothingWithoutAStereoMatchOrBehind) {
   const StereoRig rig = LocCamRig();
   const Feature good = Seen(rig, {0.1, 0.2, 3.0});
   Feature alone = good, crossed = good;

@@ -14,7 +14,7 @@ namespace {
 
 using testing::UnorderedElementsAre;
 
-// Frames of `count` features each, all with a stereo partner.
+// Frames of `count` features each, all with a stereo match.
 Correspondences Frames(int frames, int count) {
   Feature feature{.left = {1.0, 2.0}, .right = Eigen::Vector2d(0.5, 2.0)};
   Correspondences result;
@@ -45,13 +45,13 @@ TEST(BuildTracks, TheLaterOfTwoConflictingMatchesIsDropped) {
               UnorderedElementsAre(Track{{0, 0}, {1, 0}}, Track{{0, 1}, {1, 1}, {2, 0}}));
 }
 
-TEST(BuildTracks, SingleFramesNeedAPartner) {
+TEST(BuildTracks, SingleFramesNeedAStereoMatch) {
   Correspondences given = Frames(2, 2);
   given.features[1][1].right.reset();
   given.pairs = {{0, 1, {{0, 0}}}};
   EXPECT_THAT(BuildTracks(given, false), UnorderedElementsAre(Track{{0, 0}, {1, 0}}));
   EXPECT_THAT(BuildTracks(given, true), UnorderedElementsAre(Track{{0, 0}, {1, 0}}, Track{{0, 1}}));
-  // A feature without partner still belongs to a track that others make.
+  // A feature without stereo match still belongs to a track that others make.
   given.pairs = {{0, 1, {{0, 1}}}};
   EXPECT_THAT(BuildTracks(given, false), UnorderedElementsAre(Track{{0, 0}, {1, 1}}));
 }

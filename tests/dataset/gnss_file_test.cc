@@ -48,13 +48,13 @@ TEST(GnssFile, TakesDegreesAndMetresInEitherOrder) {
   const TemporaryFolder folder;
   std::string degrees, easting_first, northing_first;
   for (int i = 0; i < 10; ++i) {
-    const Geodetic place{random.Uniform(52.1, 52.3), random.Uniform(4.3, 4.5), 6.0};
-    const UtmPoint utm = ToUtm31(place);
+    const Geodetic position{random.Uniform(52.1, 52.3), random.Uniform(4.3, 4.5), 6.0};
+    const UtmPoint utm = ToUtm31(position);
     const auto row = [&](double first, double second) {
       return fmt::format("2015_11_26_12_53_{}_0 RTK_FIXED {:.13f} {:.13f} 6.0 0.005 0.004 0.009\n",
                          10 + i, first, second);
     };
-    degrees += row(place.latitude_deg, place.longitude_deg);
+    degrees += row(position.latitude_deg, position.longitude_deg);
     easting_first += row(utm.easting_m, utm.northing_m);
     northing_first += row(utm.northing_m, utm.easting_m);
   }

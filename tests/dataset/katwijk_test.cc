@@ -89,7 +89,7 @@ TEST_F(KatwijkFramesTest, DamagedImagesAreNamedAndTheirPairsKept) {
   EXPECT_THAT(dataset.health.lone_images, IsEmpty());
 }
 
-TEST_F(KatwijkFramesTest, DamagedImageWithoutAPartnerMakesNoPair) {
+TEST_F(KatwijkFramesTest, DamagedLoneImageMakesNoPair) {
   WritePair("36_5");
   std::ofstream(Image("37_5_0.png")) << "text";
   const Dataset dataset = Read();

@@ -42,9 +42,9 @@ class OpenKatwijkTest : public testing::Test {
 TEST_F(OpenKatwijkTest, NearestRigAboveThePartApplies) {
   EXPECT_EQ(OpenDataset({.folder = part_, .default_loccam_rig = default_rig_}).rig.source,
             default_rig_);
-  for (const char* place :
+  for (const char* location :
        {"root/rig.yaml", "root/Traverse3/calib.yaml", "root/Traverse3/Part1/rig.yaml"}) {
-    const auto path = folder_.Write(place, SampleRigText());
+    const auto path = folder_.Write(location, SampleRigText());
     EXPECT_EQ(OpenDataset({.folder = part_, .default_loccam_rig = default_rig_}).rig.source, path);
   }
   const auto own = folder_.Write("own.yaml", SampleRigText());

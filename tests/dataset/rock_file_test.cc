@@ -30,7 +30,7 @@ TEST(RockFile, FindsTheNorthingByItsSize) {
   }
 }
 
-TEST(RockFile, NamesTheLineThatIsNoPlace) {
+TEST(RockFile, NamesTheLineThatIsNoPosition) {
   const TemporaryFolder folder;
   for (const std::string bad : {"595685.5", "595685.5 5785795.2 1.0", "595685.5 five", "52.2 4.4",
                                 "595685.5 595685.5", "5785795.2 595685.5"}) {

@@ -31,7 +31,7 @@ MapMetrics CompareMoved(const Sim3& world_from_truth, const Points& map, const M
 
 TEST(CompareMap, FindsNoErrorInTheTruth) {
   const MapTruth truth = MakeBeach({});
-  const MapMetrics metrics = CompareMap(InPlace(PerfectMap(truth), truth));
+  const MapMetrics metrics = CompareMap(AlreadyAligned(PerfectMap(truth), truth));
   EXPECT_EQ(metrics.map_points, truth.surface.size());
   EXPECT_EQ(metrics.visible_points, metrics.truth_points);
   for (const auto& band : metrics.bands) {
@@ -45,7 +45,7 @@ TEST(CompareMap, FindsNoErrorInTheTruth) {
 TEST(CompareMap, FindsAMapFiveMillimetresTooHigh) {
   const MapTruth truth = MakeBeach({});
   const Points map = Displaced(PerfectMap(truth), {0.0F, 0.0F, 0.005F});
-  const auto json = ToJson(CompareMap(InPlace(map, truth)));
+  const auto json = ToJson(CompareMap(AlreadyAligned(map, truth)));
   for (const char* band : {"within_1.5m", "within_2.5m", "within_3.5m"}) {
     EXPECT_EQ(json[band]["accuracy_median_mm"], 5.0);
     EXPECT_EQ(json[band]["accuracy_p90_mm"], 5.0);
@@ -57,7 +57,7 @@ TEST(CompareMap, FindsAMapFiveMillimetresTooHigh) {
 TEST(CompareMap, TakesTheDistanceFromThePlaneNearby) {
   const MapTruth truth = MakeBeach({});
   const Points map = Displaced(PerfectMap(truth), {0.005F, 0.0F, 0.015F});
-  const MapMetrics metrics = CompareMap(InPlace(map, truth));
+  const MapMetrics metrics = CompareMap(AlreadyAligned(map, truth));
   EXPECT_NEAR(metrics.bands[0]->accuracy_median_m, 0.015, 1e-6);
   EXPECT_EQ(metrics.bands[0]->at_tolerance[0].completeness, 0.0);
   EXPECT_EQ(metrics.bands[0]->at_tolerance[1].completeness, 1.0);
@@ -68,7 +68,7 @@ TEST(CompareMap, TakesTheDistanceFromThePlaneNearby) {
 TEST(CompareMap, TakesAMetreForWhatIsFartherThanThat) {
   const MapTruth truth = MakeBeach({});
   const Points map = Displaced(PerfectMap(truth), {0.0F, 0.0F, 7.0F});
-  const MapMetrics metrics = CompareMap(InPlace(map, truth));
+  const MapMetrics metrics = CompareMap(AlreadyAligned(map, truth));
   EXPECT_EQ(metrics.bands[2]->accuracy_median_m, 1.0);
   EXPECT_EQ(metrics.bands[2]->stray_share, 1.0);
   EXPECT_EQ(metrics.bands[2]->at_tolerance[2].HarmonicMean(), 0.0);
@@ -78,7 +78,7 @@ TEST(CompareMap, CountsStrays) {
   const MapTruth truth = MakeBeach({});
   Points map(60, {1.0F, 0.2F, 0.0F});
   map.resize(80, {1.0F, 2.0F, 0.3F});
-  const MapMetrics metrics = CompareMap(InPlace(map, truth));
+  const MapMetrics metrics = CompareMap(AlreadyAligned(map, truth));
   EXPECT_EQ(metrics.bands[0]->points, 60U);
   EXPECT_EQ(metrics.bands[0]->stray_share, 0.0);
   EXPECT_EQ(metrics.bands[1]->points, 80U);
@@ -93,7 +93,7 @@ TEST(CompareMap, CountsWhatIsMissing) {
   for (const auto& x : truth.surface.x_in_truth) {
     if (x.y() > 0.0F) left.push_back(x);
   }
-  const MapMetrics metrics = CompareMap(InPlace(left, truth));
+  const MapMetrics metrics = CompareMap(AlreadyAligned(left, truth));
   for (const auto& band : metrics.bands) {
     EXPECT_EQ(band->at_tolerance[0].precision, 1.0);
     EXPECT_NEAR(band->at_tolerance[0].completeness, 0.5, 0.01);
@@ -107,21 +107,21 @@ TEST(CompareMap, AsksForWhatTheCamerasSawOnly) {
     truth.surface.visible[i] = truth.surface.x_in_truth[i].y() > 0.0F;
     if (truth.surface.visible[i]) left.push_back(truth.surface.x_in_truth[i]);
   }
-  const MapMetrics metrics = CompareMap(InPlace(left, truth));
+  const MapMetrics metrics = CompareMap(AlreadyAligned(left, truth));
   EXPECT_EQ(metrics.visible_points, left.size());
   EXPECT_EQ(metrics.bands[2]->at_tolerance[0].completeness, 1.0);
 }
 
 TEST(CompareMap, HasNothingToSayOfABandWithoutPoints) {
   MapTruth truth = MakeBeach({});
-  auto json = ToJson(CompareMap(InPlace({{1.0F, 2.0F, 0.0F}}, truth)));
+  auto json = ToJson(CompareMap(AlreadyAligned({{1.0F, 2.0F, 0.0F}}, truth)));
   EXPECT_TRUE(json["within_1.5m"].is_null());
   EXPECT_EQ(json["within_2.5m"]["points"], 1);
-  json = ToJson(CompareMap(InPlace({}, truth)));
+  json = ToJson(CompareMap(AlreadyAligned({}, truth)));
   EXPECT_EQ(json["map_points"], 0);
   EXPECT_TRUE(json["within_3.5m"].is_null());
   std::fill(truth.surface.visible.begin(), truth.surface.visible.end(), 0);
-  json = ToJson(CompareMap(InPlace(PerfectMap(truth), truth)));
+  json = ToJson(CompareMap(AlreadyAligned(PerfectMap(truth), truth)));
   EXPECT_TRUE(json["within_3.5m"].is_null());
 }
 
@@ -131,7 +131,7 @@ TEST(CompareMap, DoesNotDependOnTheWorldOfTheMap) {
   Points map = PerfectMap(truth);
   for (auto& x : map) x += random.Noise(0.004).cast<float>();
   const Rigid3 motion = random.Motion(3.0);
-  const auto here = CompareMap(InPlace(map, truth));
+  const auto here = CompareMap(AlreadyAligned(map, truth));
   const auto there = CompareMoved({1.0, motion.rotation, motion.translation}, map, truth);
   for (std::size_t b = 0; b < kMapBands_m.size(); ++b) {
     EXPECT_NEAR(there.bands[b]->points, here.bands[b]->points, 10);

@@ -35,7 +35,7 @@ Points Together(Points points, const Points& more) {
 }
 
 RockMetrics OnlyRock(const Points& map, const MapTruth& truth) {
-  const auto rocks = CompareRocks(InPlace(map, truth));
+  const auto rocks = CompareRocks(AlreadyAligned(map, truth));
   if (rocks.size() != 1) throw std::runtime_error("expected one rock");
   return rocks.front();
 }
@@ -74,7 +74,7 @@ TEST(CompareRocks, MeasuresAStretchAlongTheView) {
   EXPECT_NEAR(found.stretch.y(), 1.00, 0.006);
   EXPECT_NEAR(found.stretch.z(), 1.00, 0.006);
   EXPECT_LT(found.sigma_stretch.maxCoeff(), 0.02);
-  const auto json = ToJson(CompareRocks(InPlace(rock, truth)));
+  const auto json = ToJson(CompareRocks(AlreadyAligned(rock, truth)));
   EXPECT_NEAR(json["stretch_max_off"].get<double>(), 0.04, 0.006);
 }
 
@@ -118,7 +118,7 @@ TEST(CompareRocks, CountsHalfARockAsFoundAndLessAsNot) {
 
 TEST(CompareRocks, SaysOfAMissingRockThatItIsMissing) {
   const MapTruth truth = MakeBeach({kDome});
-  const auto json = ToJson(CompareRocks(InPlace({}, truth)));
+  const auto json = ToJson(CompareRocks(AlreadyAligned({}, truth)));
   EXPECT_EQ(json["rocks"], 1);
   EXPECT_EQ(json["found"], 0);
   EXPECT_TRUE(json["shift_max_mm"].is_null());
@@ -128,7 +128,7 @@ TEST(CompareRocks, SaysOfAMissingRockThatItIsMissing) {
 
 TEST(CompareRocks, GivesTouchingRocksTheirOwnPoints) {
   const MapTruth truth = MakeBeach({{{1.0, 1.2}, 0.25}, {{1.5, 1.2}, 0.25}});
-  const auto rocks = CompareRocks(InPlace(PerfectMap(truth), truth));
+  const auto rocks = CompareRocks(AlreadyAligned(PerfectMap(truth), truth));
   ASSERT_EQ(rocks.size(), 2U);
   EXPECT_EQ(rocks[0].visible_points + rocks[1].visible_points, Rock(truth).size());
   EXPECT_NEAR(static_cast<double>(rocks[0].visible_points),
@@ -136,16 +136,16 @@ TEST(CompareRocks, GivesTouchingRocksTheirOwnPoints) {
 }
 
 TEST(CompareRocks, LeavesOutRocksThatAreFarOrHardlyVisible) {
-  EXPECT_TRUE(CompareRocks(InPlace({}, MakeBeach({{{1.0, 3.6}, 0.25}}))).empty());
-  EXPECT_TRUE(CompareRocks(InPlace({}, MakeBeach({{{1.0, 1.0}, 0.1}}))).empty());
+  EXPECT_TRUE(CompareRocks(AlreadyAligned({}, MakeBeach({{{1.0, 3.6}, 0.25}}))).empty());
+  EXPECT_TRUE(CompareRocks(AlreadyAligned({}, MakeBeach({{{1.0, 1.0}, 0.1}}))).empty());
   MapTruth hidden = MakeBeach({kDome});
   std::fill(hidden.surface.visible.begin(), hidden.surface.visible.end(), 0);
-  EXPECT_TRUE(CompareRocks(InPlace(PerfectMap(hidden), hidden)).empty());
+  EXPECT_TRUE(CompareRocks(AlreadyAligned(PerfectMap(hidden), hidden)).empty());
 }
 
 TEST(CompareRocks, AnswersWhereThereIsNoRock) {
   const MapTruth truth = MakeBeach({});
-  const auto json = ToJson(CompareRocks(InPlace(PerfectMap(truth), truth)));
+  const auto json = ToJson(CompareRocks(AlreadyAligned(PerfectMap(truth), truth)));
   EXPECT_EQ(json["rocks"], 0);
   EXPECT_TRUE(json["ghost_max_pct"].is_null());
   EXPECT_TRUE(json["each"].is_array() && json["each"].empty());

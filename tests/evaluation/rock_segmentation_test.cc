@@ -17,15 +17,16 @@ struct Box {
   double length_m = 0.0, breadth_m = 0.0, height_m = 0.0;
 
   double Diagonal_m() const { return std::hypot(length_m, breadth_m); }
-  bool Covers(const Eigen::Vector2d& place) const {
-    const Eigen::Vector2d away = (place - centre).cwiseAbs();
+  bool Covers(const Eigen::Vector2d& position) const {
+    const Eigen::Vector2d away = (position - centre).cwiseAbs();
     return away.x() <= 0.5 * length_m && away.y() <= 0.5 * breadth_m;
   }
 };
 
 // Six per cent of slope with waves of 4 cm, six metres long.
-double Ground_m(const Eigen::Vector2d& place) {
-  return 0.05 * place.x() - 0.03 * place.y() + 0.04 * std::sin(place.x()) * std::cos(place.y());
+double Ground_m(const Eigen::Vector2d& position) {
+  return 0.05 * position.x() - 0.03 * position.y() +
+         0.04 * std::sin(position.x()) * std::cos(position.y());
 }
 
 void AddPoint(PointCloud& cloud, double x_m, double y_m, double z_m) {
@@ -38,10 +39,11 @@ PointCloud MapOf(const std::vector<Box>& boxes, SeededRandom& random) {
   PointCloud cloud;
   for (double x_m = 0.0; x_m < 10.0; x_m += 0.01) {
     for (double y_m = -3.0; y_m < 3.0; y_m += 0.01) {
-      const Eigen::Vector2d place(x_m, y_m);
-      const auto box = std::ranges::find_if(boxes, [&](const Box& b) { return b.Covers(place); });
+      const Eigen::Vector2d position(x_m, y_m);
+      const auto box =
+          std::ranges::find_if(boxes, [&](const Box& b) { return b.Covers(position); });
       const double z_m =
-          box == boxes.end() ? Ground_m(place) : Ground_m(box->centre) + box->height_m;
+          box == boxes.end() ? Ground_m(position) : Ground_m(box->centre) + box->height_m;
       AddPoint(cloud, x_m, y_m, z_m + random.Normal(0.004));
     }
   }
@@ -161,7 +163,7 @@ TEST(RockSegmentation, PiecesMakeTheSameMapInLittleMemory) {
   EXPECT_EQ(SegmentRocks(whole).rocks[0].width_m, SegmentRocks(pieces).rocks[0].width_m);
 }
 
-TEST(RockSegmentation, FindsTheCellOfAPlace) {
+TEST(RockSegmentation, FindsTheCellOfAPosition) {
   HeightGrid grid;
   PointCloud cloud;
   AddPoint(cloud, -0.01, -0.33, 0.5);

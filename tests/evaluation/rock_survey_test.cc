@@ -43,8 +43,8 @@ class RockSurveyTest : public testing::Test {
 
   SurveyedLandmark Survey(const std::string& kind, const Eigen::Vector2d& x_in_world) const {
     const LocalFrame plane(alignment_.plane_origin);
-    const Eigen::Vector2d place = alignment_.plane_from_world * x_in_world;
-    const UtmPoint utm = ToUtm31(plane.ToGeodetic({place.x(), place.y(), 0.0}));
+    const Eigen::Vector2d position = alignment_.plane_from_world * x_in_world;
+    const UtmPoint utm = ToUtm31(plane.ToGeodetic({position.x(), position.y(), 0.0}));
     return {kind, {kUtm31Epsg, utm.easting_m, utm.northing_m}};
   }
 
@@ -63,15 +63,15 @@ class RockSurveyTest : public testing::Test {
   RtkAlignment alignment_;
 };
 
-TEST_F(RockSurveyTest, TellsHowFarARockIsFromItsSurveyedPlace) {
+TEST_F(RockSurveyTest, TellsHowFarARockIsFromItsSurveyedPosition) {
   SeededRandom random;
   for (int run = 0; run < 20; ++run) {
     map_.rocks.clear();
     alignment_.plane_from_world = {random.Uniform(-3.0, 3.0), random.Vector(30.0).head<2>()};
-    const Eigen::Vector2d place(random.Uniform(5.0, 9.0), random.Uniform(-1.2, 1.2));
+    const Eigen::Vector2d position(random.Uniform(5.0, 9.0), random.Uniform(-1.2, 1.2));
     const Eigen::Vector2d off = random.Vector(0.14).head<2>();
-    AddRock(place + off);
-    const RockSurvey survey = Compare({Survey("small", place)});
+    AddRock(position + off);
+    const RockSurvey survey = Compare({Survey("small", position)});
     ASSERT_EQ(survey.rows.size(), 1U);
     EXPECT_EQ(survey.found, 1);
     EXPECT_EQ(survey.unknown, 0);
@@ -83,27 +83,27 @@ TEST_F(RockSurveyTest, TellsHowFarARockIsFromItsSurveyedPlace) {
 }
 
 TEST_F(RockSurveyTest, LooksWithinHalfAWidthAndTheSigmas) {
-  const Eigen::Vector2d place(6.0, 0.5);
-  AddRock(place + Eigen::Vector2d(0.0, 0.45));
-  EXPECT_EQ(Compare({Survey("small", place)}).found, 0);
-  EXPECT_EQ(Compare({Survey("small", place)}).unknown, 1);
-  EXPECT_EQ(Compare({Survey("medium", place)}).found, 1);
-  EXPECT_NEAR(Compare({Survey("medium", place)}).rows[0].limit_m,
-              0.4 + 3.0 * std::sqrt(0.03 * 0.03 + 1e-4 + 0.5e-6 * place.squaredNorm()), 1e-5);
+  const Eigen::Vector2d position(6.0, 0.5);
+  AddRock(position + Eigen::Vector2d(0.0, 0.45));
+  EXPECT_EQ(Compare({Survey("small", position)}).found, 0);
+  EXPECT_EQ(Compare({Survey("small", position)}).unknown, 1);
+  EXPECT_EQ(Compare({Survey("medium", position)}).found, 1);
+  EXPECT_NEAR(Compare({Survey("medium", position)}).rows[0].limit_m,
+              0.4 + 3.0 * std::sqrt(0.03 * 0.03 + 1e-4 + 0.5e-6 * position.squaredNorm()), 1e-5);
   alignment_.unknown_clock_sigma_m = 0.15;
-  EXPECT_EQ(Compare({Survey("small", place)}).found, 1);
+  EXPECT_EQ(Compare({Survey("small", position)}).found, 1);
 }
 
 TEST_F(RockSurveyTest, MatchesOneToOneNearestFirst) {
-  const Eigen::Vector2d place(6.0, 0.5);
-  const std::vector<SurveyedLandmark> two{Survey("small", place + Eigen::Vector2d(0.2, 0.0)),
-                                          Survey("small", place + Eigen::Vector2d(0.0, 0.05))};
-  AddRock(place);
+  const Eigen::Vector2d position(6.0, 0.5);
+  const std::vector<SurveyedLandmark> two{Survey("small", position + Eigen::Vector2d(0.2, 0.0)),
+                                          Survey("small", position + Eigen::Vector2d(0.0, 0.05))};
+  AddRock(position);
   RockSurvey survey = Compare(two);
   ASSERT_EQ(survey.rows.size(), 2U);
   EXPECT_FALSE(survey.rows[0].found);
   EXPECT_TRUE(survey.rows[1].found);
-  AddRock(place + Eigen::Vector2d(0.3, 0.0));
+  AddRock(position + Eigen::Vector2d(0.3, 0.0));
   survey = Compare(two);
   EXPECT_EQ(survey.found, 2);
   EXPECT_NEAR(survey.rows[0].offset_m.norm(), 0.1, 1e-4);
@@ -130,9 +130,9 @@ TEST_F(RockSurveyTest, CountsOnlyRocksThatTheMapShouldShow) {
 
 // One that the map cannot fully show still takes its rock, which is not unknown then.
 TEST_F(RockSurveyTest, RocksOutOfCountTakePart) {
-  const Eigen::Vector2d place(13.8, 0.0);
-  AddRock(place);
-  const RockSurvey survey = Compare({Survey("small", place)});
+  const Eigen::Vector2d position(13.8, 0.0);
+  AddRock(position);
+  const RockSurvey survey = Compare({Survey("small", position)});
   EXPECT_TRUE(survey.rows.empty());
   EXPECT_EQ(survey.segmented, 1);
   EXPECT_EQ(survey.unknown, 0);

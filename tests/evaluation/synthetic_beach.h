@@ -23,7 +23,7 @@ inline Points PerfectMap(const MapTruth& truth) { return truth.surface.x_in_trut
 Points Displaced(Points points, const Eigen::Vector3f& by);
 
 // Laid where the truth says it lies.
-inline MapOverTruth InPlace(Points map, const MapTruth& truth) {
+inline MapOverTruth AlreadyAligned(Points map, const MapTruth& truth) {
   return MapOverTruth(std::move(map), Rigid3{}, truth);
 }
 

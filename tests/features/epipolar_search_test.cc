@@ -44,27 +44,27 @@ TEST_F(EpipolarSearchTest, TransferIsProjectionOfThePointAtThatDepth) {
   }
 }
 
-TEST_F(EpipolarSearchTest, FindsThePlaceToAboutAPixel) {
+TEST_F(EpipolarSearchTest, FindsTheMatchToAboutAPixel) {
   for (const int reduction : {1, 2}) {
     const EpipolarSearch search = Search(reduction);
-    int tried = 0, right_place = 0;
+    int tried = 0, correct = 0;
     for (int y = 60; y < 720; y += 60) {
       for (int x = 260; x < 980; x += 60) {
         const Eigen::Vector2d pixel(x + 0.3, y - 0.4);
         const Eigen::Vector3d hit = *shot_->HitAt(pixel);
         const auto truth = Project(rig_.right.camera, rig_.right_from_left * hit);
         ASSERT_TRUE(truth);
-        const auto place = search.Find(pixel, range_);
-        ASSERT_TRUE(place);
+        const auto match = search.Find(pixel, range_);
+        ASSERT_TRUE(match);
         ++tried;
         // Ambiguous places are for the caller to refuse.
-        if (place->correlation < 0.7 || place->correlation - place->runner_up < 0.05) continue;
-        EXPECT_LT((place->pixel - *truth).norm(), 1.5 * reduction) << pixel.transpose();
-        EXPECT_NEAR(place->inverse_depth, 1.0 / hit.z(), 0.03);
-        ++right_place;
+        if (match->correlation < 0.7 || match->correlation - match->runner_up < 0.05) continue;
+        EXPECT_LT((match->pixel - *truth).norm(), 1.5 * reduction) << pixel.transpose();
+        EXPECT_NEAR(match->inverse_depth, 1.0 / hit.z(), 0.03);
+        ++correct;
       }
     }
-    EXPECT_GT(right_place, 0.9 * tried) << "reduction " << reduction;
+    EXPECT_GT(correct, 0.9 * tried) << "reduction " << reduction;
   }
 }
 
@@ -73,17 +73,17 @@ TEST_F(EpipolarSearchTest, FindsNothingWhereTheWindowLeavesTheImage) {
   EXPECT_FALSE(search.Find({2.0, 300.0}, range_));
   EXPECT_FALSE(search.Find({500.0, 766.0}, range_));
   // In the left image, but too far left to be in the right one.
-  const auto place = search.Find({8.0, 300.0}, range_);
-  EXPECT_TRUE(!place || place->correlation < 0.8);
+  const auto match = search.Find({8.0, 300.0}, range_);
+  EXPECT_TRUE(!match || match->correlation < 0.8);
 }
 
 TEST_F(EpipolarSearchTest, FlatWindowsCorrelateWithNothing) {
   const cv::Mat flat(768, 1024, CV_8UC1, cv::Scalar(90));
   const EpipolarSearch search({flat, rig_.left.camera}, {shot_->right(), rig_.right.camera},
                               rig_.right_from_left, 1);
-  const auto place = search.Find({500.0, 300.0}, range_);
-  ASSERT_TRUE(place);
-  EXPECT_EQ(place->correlation, -1.0);
+  const auto match = search.Find({500.0, 300.0}, range_);
+  ASSERT_TRUE(match);
+  EXPECT_EQ(match->correlation, -1.0);
 }
 
 }  // namespace

@@ -46,16 +46,16 @@ TEST_F(ExtractFeaturesTest, PointsLieOnTheSand) {
   EXPECT_EQ(found.descriptors.size(), found.features.size());
   EXPECT_EQ(found.patches.size(), found.features.size());
   EXPECT_EQ(found.usable_share, 1.0);
-  int partners = 0, on_sand = 0;
+  int stereo_matches = 0, on_sand = 0;
   const auto points = TriangulateFeatures(found.features, rig_, 0.15);
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (!points[i]) continue;
-    ++partners;
+    ++stereo_matches;
     const Eigen::Vector3d truth = *shot_->HitAt(found.features[i].left);
     on_sand += (points[i]->x_in_left - truth).norm() < 2.0 * points[i]->depth_sigma_m ? 1 : 0;
   }
-  EXPECT_GT(partners, 700);
-  EXPECT_GT(on_sand, 0.98 * partners);
+  EXPECT_GT(stereo_matches, 700);
+  EXPECT_GT(on_sand, 0.98 * stereo_matches);
   for (float error : found.epipolar_errors_px) EXPECT_LT(std::abs(error), 4.0F);
 }
 

@@ -157,7 +157,7 @@ TEST(DetectKeypoints, MaskedPixelsGiveNone) {
   }
 }
 
-TEST(DetectKeypoints, NoTwoShareAPlace) {
+TEST(DetectKeypoints, NoTwoShareAPosition) {
   const cv::Size size(640, 480);
   const Keypoints found = DetectKeypoints(Noise(size, 30.0, 4), Everything(size), {});
   auto pixels = found.pixels;

@@ -25,10 +25,10 @@ class FuseDepthMapsOfGround : public testing::Test {
   void SetUp() override { options_.max_sigma_m = 1.0; }
 
   void Drive(int frames, const GroundView& view) {
-    for (int i = 0; i < frames; ++i) Look(0.17 * i + 0.01 * random_.Uniform(0.0, 1.0), view);
+    for (int i = 0; i < frames; ++i) AddView(0.17 * i + 0.01 * random_.Uniform(0.0, 1.0), view);
     Store();
   }
-  void Look(double x_m, const GroundView& view) {
+  void AddView(double x_m, const GroundView& view) {
     const Rigid3 world_from_left = WorldFromLeft(x_m);
     depths_.push_back({folder_.Path() / std::to_string(maps_.size()), "key", world_from_left});
     maps_.push_back(GroundSeenFrom(world_from_left, view, random_));
@@ -170,7 +170,7 @@ TEST_F(FuseDepthMapsOfGround, DropsWhatAFrameAheadSeesThroughThoughAllNearOnesAg
   for (int i = 0; i < 8; ++i) {
     GroundView view{.noise_px = 0.05, .sigma_px = 0.1};
     if (i < 3) view.plate = plate;
-    Look(0.17 * i, view);
+    AddView(0.17 * i, view);
   }
   Store();
   options_.neighbours = 2;

@@ -26,13 +26,13 @@ constexpr std::size_t kPlenty = 1'000'000;
 // Some samples to each of 3000 places in about 25 tiles.
 std::vector<SurfaceSample> ManySamples() {
   SeededRandom random;
-  std::vector<Eigen::Vector3d> places;
-  for (int i = 0; i < 3000; ++i) places.push_back(random.Vector(2.5 * kTileM));
+  std::vector<Eigen::Vector3d> positions;
+  for (int i = 0; i < 3000; ++i) positions.push_back(random.Vector(2.5 * kTileM));
   std::vector<SurfaceSample> samples;
   for (int i = 0; i < 20000; ++i) {
     SurfaceSample sample;
-    const auto place = static_cast<std::size_t>(random.Uniform(0.0, 3000.0));
-    sample.x_in_world = places[place] + random.Vector(0.5 * kVoxelM);
+    const auto index = static_cast<std::size_t>(random.Uniform(0.0, 3000.0));
+    sample.x_in_world = positions[index] + random.Vector(0.5 * kVoxelM);
     sample.normal = random.Vector(1.0).normalized().cast<float>();
     sample.rgb = {static_cast<std::uint8_t>(random.Uniform(0.0, 256.0)), 20, 30};
     sample.sigma_m = static_cast<float>(random.Uniform(0.005, 0.05));

@@ -9,14 +9,15 @@
 namespace rigmap {
 namespace {
 
-DepthView ViewOf(const Rigid3& world_from_left, const GroundView& look, SeededRandom& random) {
-  DepthMap map = GroundSeenFrom(world_from_left, look, random);
+DepthView ViewOf(const Rigid3& world_from_left, const GroundView& ground_view,
+                 SeededRandom& random) {
+  DepthMap map = GroundSeenFrom(world_from_left, ground_view, random);
   const Rigid3 world_from_rectified = world_from_left * map.left_from_rectified;
   return {std::move(map), world_from_rectified};
 }
 
-DepthView ViewFrom(double x_m, const GroundView& look, SeededRandom& random) {
-  return ViewOf(WorldFromLeft(x_m), look, random);
+DepthView ViewFrom(double x_m, const GroundView& ground_view, SeededRandom& random) {
+  return ViewOf(WorldFromLeft(x_m), ground_view, random);
 }
 
 // Whether `view` knows a depth where it sees the point.
@@ -38,19 +39,19 @@ class ViewConsistency : public testing::Test {
  protected:
   // Of the view from the start of the path with another.
   ViewAgreement AgreementWith(const DepthView& second) {
-    return AgreementOf(ViewFrom(0.0, look_, random_), second, options_).value();
+    return AgreementOf(ViewFrom(0.0, ground_view_, random_), second, options_).value();
   }
 
   SeededRandom random_;
   FusionOptions options_;
-  GroundView look_{.noise_px = 0.05, .sigma_px = 0.1, .plate = {}};
-  GroundView look_at_plate_{
+  GroundView ground_view_{.noise_px = 0.05, .sigma_px = 0.1, .plate = {}};
+  GroundView plate_view_{
       .noise_px = 0.05, .sigma_px = 0.1, .plate = Plate{{2.9, -0.3}, {3.3, 0.3}, 0.3}};
 };
 
 TEST_F(ViewConsistency, NeedsEnoughViews) {
-  const DepthView reference = ViewFrom(0.0, look_, random_);
-  const DepthView near = ViewFrom(0.1, look_, random_);
+  const DepthView reference = ViewFrom(0.0, ground_view_, random_);
+  const DepthView near = ViewFrom(0.1, ground_view_, random_);
   EXPECT_TRUE(ConfirmedSamples(reference, {}, options_).empty());
   EXPECT_GT(ConfirmedSamples(reference, {{&near}, {}}, options_).size(), 30000U);
   options_.min_views = 1;
@@ -60,25 +61,25 @@ TEST_F(ViewConsistency, NeedsEnoughViews) {
 }
 
 TEST_F(ViewConsistency, IsDeniedByOneFrameAheadHoweverManyNearOnesAgree) {
-  const DepthView reference = ViewFrom(0.0, look_at_plate_, random_);
-  const DepthView one = ViewFrom(0.05, look_at_plate_, random_);
-  const DepthView two = ViewFrom(0.1, look_at_plate_, random_);
-  const DepthView ahead = ViewFrom(0.6, look_, random_);
+  const DepthView reference = ViewFrom(0.0, plate_view_, random_);
+  const DepthView one = ViewFrom(0.05, plate_view_, random_);
+  const DepthView two = ViewFrom(0.1, plate_view_, random_);
+  const DepthView ahead = ViewFrom(0.6, ground_view_, random_);
   EXPECT_GT(CountRaised(ConfirmedSamples(reference, {{&one, &two}, {}}, options_)), 300);
   EXPECT_EQ(CountRaised(ConfirmedSamples(reference, {{&one, &two}, {&ahead}}, options_)), 0);
 }
 
 TEST_F(ViewConsistency, IsNotDeniedByAFrameFromNoNearer) {
-  const DepthView reference = ViewFrom(0.0, look_at_plate_, random_);
-  const DepthView one = ViewFrom(0.05, look_at_plate_, random_);
-  const DepthView beside = ViewFrom(0.02, look_, random_);
+  const DepthView reference = ViewFrom(0.0, plate_view_, random_);
+  const DepthView one = ViewFrom(0.05, plate_view_, random_);
+  const DepthView beside = ViewFrom(0.02, ground_view_, random_);
   EXPECT_GT(CountRaised(ConfirmedSamples(reference, {{&one}, {&beside}}, options_)), 300);
 }
 
 TEST_F(ViewConsistency, LeavesPointsToANearerFrameAhead) {
-  const DepthView reference = ViewFrom(0.0, look_, random_);
-  const DepthView near = ViewFrom(0.1, look_, random_);
-  const DepthView ahead = ViewFrom(1.0, look_, random_);
+  const DepthView reference = ViewFrom(0.0, ground_view_, random_);
+  const DepthView near = ViewFrom(0.1, ground_view_, random_);
+  const DepthView ahead = ViewFrom(1.0, ground_view_, random_);
   const std::size_t alone = ConfirmedSamples(reference, {{&near}, {}}, options_).size();
   const auto kept = ConfirmedSamples(reference, {{&near}, {&ahead}}, options_);
   EXPECT_LT(kept.size(), alone);
@@ -95,7 +96,7 @@ TEST_F(ViewConsistency, LeavesPointsToANearerFrameAhead) {
 TEST_F(ViewConsistency, LeavesOutTheSlopeBetweenTwoDepths) {
   // As matchers leave it at the edge of something that stands before the ground.
   const cv::Rect slope(200, 50, 16, 28), inner(204, 54, 8, 20);
-  DepthView view = ViewFrom(0.0, look_, random_);
+  DepthView view = ViewFrom(0.0, ground_view_, random_);
   for (int row = slope.y; row < slope.br().y; ++row) {
     auto* disparity = view.map.disparity.ptr<float>(row);
     for (int i = 0; i < slope.width; ++i) {
@@ -117,7 +118,7 @@ TEST_F(ViewConsistency, LeavesOutTheSlopeBetweenTwoDepths) {
 }
 
 TEST_F(ViewConsistency, AgreesWithItself) {
-  const DepthView view = ViewFrom(0.0, look_, random_);
+  const DepthView view = ViewFrom(0.0, ground_view_, random_);
   const auto agreement = AgreementOf(view, view, options_);
   ASSERT_TRUE(agreement);
   EXPECT_EQ(agreement->share, 1.0);
@@ -125,32 +126,32 @@ TEST_F(ViewConsistency, AgreesWithItself) {
 }
 
 TEST_F(ViewConsistency, AgreesWithASoundNeighbour) {
-  EXPECT_GT(AgreementWith(ViewFrom(0.3, look_, random_)).share, 0.99);
+  EXPECT_GT(AgreementWith(ViewFrom(0.3, ground_view_, random_)).share, 0.99);
 }
 
 TEST_F(ViewConsistency, DisagreesWithShiftedDepth) {
-  DepthView shifted = ViewFrom(0.0, look_, random_);
+  DepthView shifted = ViewFrom(0.0, ground_view_, random_);
   shifted.map.disparity *= 1.2;
   EXPECT_LT(AgreementWith(shifted).share, 0.01);
 }
 
 TEST_F(ViewConsistency, TellsHowMuchBrighterTheSecondViewIs) {
-  DepthView brighter = ViewFrom(0.1, look_, random_);
+  DepthView brighter = ViewFrom(0.1, ground_view_, random_);
   brighter.map.colour *= 2.0;
   EXPECT_NEAR(AgreementWith(brighter).brightness, 2.0, 1e-9);
-  const DepthView view = ViewFrom(0.0, look_, random_);
+  const DepthView view = ViewFrom(0.0, ground_view_, random_);
   EXPECT_NEAR(AgreementOf(brighter, view, options_)->brightness, 0.5, 1e-9);
 }
 
 TEST_F(ViewConsistency, SaysNothingOfFramesThatShareNoView) {
-  const DepthView view = ViewFrom(0.0, look_, random_);
+  const DepthView view = ViewFrom(0.0, ground_view_, random_);
   Rigid3 turned = WorldFromLeft(0.0);
   turned.rotation = ExpRotation({0.0, 0.0, std::numbers::pi}) * turned.rotation;
-  EXPECT_FALSE(AgreementOf(view, ViewOf(turned, look_, random_), options_));
+  EXPECT_FALSE(AgreementOf(view, ViewOf(turned, ground_view_, random_), options_));
 }
 
 TEST_F(ViewConsistency, SaysNothingOfTooFewSharedPixels) {
-  const DepthView view = ViewFrom(0.0, look_, random_);
+  const DepthView view = ViewFrom(0.0, ground_view_, random_);
   const auto agreement_of = [&](int rows) {  // of ten asked pixels each
     DepthView part = view;
     part.map.disparity = cv::Mat(view.map.disparity.size(), CV_32FC1, cv::Scalar(0.0));

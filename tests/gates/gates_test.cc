@@ -34,7 +34,7 @@ class GatesTest : public testing::Test {
       adjustment_.world_from_left.push_back(pose);
       adjustment_.points.push_back(
           {pose * Eigen::Vector3d(0.1, 0.2, kDepth_m), {{.frame = i, .eye = Eye::kLeft}}});
-      placed_.world_from_left.push_back(pose);
+      aligned_.world_from_left.push_back(pose);
       TimedPose& timed = trajectory_.emplace_back();
       timed.stamp_ns = i;
       timed.world_from_left = pose;
@@ -44,8 +44,8 @@ class GatesTest : public testing::Test {
     adjustment_.reprojection_px = 0.1;
     adjustment_.outlier_share = 0.05;
     Correct(Eigen::Vector3d::Zero(), Eigen::Vector3d::Constant(1e-6), 0.0, 1e-4);
-    placed_.models.resize(1);
-    placed_.models[0].scale = {1.0, 0.002, {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11}, {}};
+    aligned_.models.resize(1);
+    aligned_.models[0].scale = {1.0, 0.002, {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11}, {}};
   }
 
   // The calibration that the images ask for.
@@ -62,7 +62,7 @@ class GatesTest : public testing::Test {
 
   Gate Judge(const std::string& name) const {
     const Gates gates = JudgePart(
-        {rig_, odometry_, adjustment_, trajectory_, mapped_ ? &placed_ : nullptr, epipolar_px_},
+        {rig_, odometry_, adjustment_, trajectory_, mapped_ ? &aligned_ : nullptr, epipolar_px_},
         options_);
     for (const Gate& gate : gates) {
       if (gate.name == name) return gate;
@@ -71,7 +71,8 @@ class GatesTest : public testing::Test {
     return {};
   }
   Gates All() const {
-    return JudgePart({rig_, odometry_, adjustment_, trajectory_, &placed_, epipolar_px_}, options_);
+    return JudgePart({rig_, odometry_, adjustment_, trajectory_, &aligned_, epipolar_px_},
+                     options_);
   }
   // Moves frame `first` by a motion in its own axes, and all behind with it: one step changes.
   void Shift(int first, const Rigid3& motion) {
@@ -87,7 +88,7 @@ class GatesTest : public testing::Test {
   Odometry odometry_;
   Adjustment adjustment_;
   Trajectory trajectory_;
-  PlacedKeyframes placed_;
+  AlignedKeyframes aligned_;
   bool mapped_ = true;
   std::vector<float> epipolar_px_{0.1F, 0.2F, 0.3F};
 };
@@ -111,34 +112,34 @@ TEST_F(GatesTest, HealthyPartPassesThemAllOnceEach) {
 }
 
 TEST_F(GatesTest, SpreadIsJudgedAtItsLimitAndByTheWorstModel) {
-  placed_.models[0].scale.relative_spread = options_.mapping.baseline_spread;
+  aligned_.models[0].scale.relative_spread = options_.mapping.baseline_spread;
   EXPECT_TRUE(Judge("baseline_spread").passed);
-  placed_.models.resize(2);
-  placed_.models[1].scale.relative_spread = options_.mapping.baseline_spread + 1e-9;
+  aligned_.models.resize(2);
+  aligned_.models[1].scale.relative_spread = options_.mapping.baseline_spread + 1e-9;
   EXPECT_FALSE(Judge("baseline_spread").passed);
   EXPECT_EQ(Judge("baseline_spread").value, options_.mapping.baseline_spread + 1e-9);
 }
 
 TEST_F(GatesTest, RejectedShareIsJudgedAtItsLimit) {
-  placed_.models[0].scale.pairs_used = {0, 1, 2, 3};
-  placed_.models[0].scale.pairs_rejected = {4};
+  aligned_.models[0].scale.pairs_used = {0, 1, 2, 3};
+  aligned_.models[0].scale.pairs_rejected = {4};
   EXPECT_DOUBLE_EQ(*Judge("baseline_rejected").value, 0.2);
   EXPECT_TRUE(Judge("baseline_rejected").passed);
-  placed_.models[0].scale.pairs_rejected = {4, 5};
+  aligned_.models[0].scale.pairs_rejected = {4, 5};
   EXPECT_FALSE(Judge("baseline_rejected").passed);
 }
 
 TEST_F(GatesTest, RegisteredShareIsALowerLimit) {
   options_.mapping.registered = 11.0 / 12.0;
-  placed_.world_from_left[3].reset();
+  aligned_.world_from_left[3].reset();
   EXPECT_TRUE(Judge("registered").passed);
-  placed_.world_from_left[4].reset();
+  aligned_.world_from_left[4].reset();
   EXPECT_FALSE(Judge("registered").passed);
 }
 
 TEST_F(GatesTest, MapOfNoModelHasRegisteredNone) {
-  placed_.models.clear();
-  for (auto& pose : placed_.world_from_left) pose.reset();
+  aligned_.models.clear();
+  for (auto& pose : aligned_.world_from_left) pose.reset();
   EXPECT_EQ(Judge("registered").value, 0.0);
   EXPECT_FALSE(Judge("registered").passed);
 }

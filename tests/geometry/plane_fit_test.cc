@@ -54,7 +54,7 @@ TEST(PlaneFit, AWeightCountsAsThatManyPoints) {
   EXPECT_LT((weighted.Solve() - repeated.Solve()).norm(), 1e-12);
 }
 
-TEST(PlaneFit, PriorHoldsWhatThePlacesDoNotTell) {
+TEST(PlaneFit, PriorHoldsWhatThePositionsDoNotTell) {
   PlaneFit held(Eigen::Vector3d(0.05, 0.05, 0.0)), loose;
   for (PlaneFit* fit : {&held, &loose}) {
     for (int i = 0; i < 3; ++i) fit->Add(0.0, 0.0, 2.0);

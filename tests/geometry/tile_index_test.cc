@@ -14,12 +14,12 @@ TEST(TileIndex, HoldsWhatLiesBetweenItsEdges) {
   SeededRandom random;
   for (int i = 0; i < 1000; ++i) {
     const double size = random.Uniform(0.01, 10.0);
-    const Eigen::Vector2d place(random.Uniform(-100.0, 100.0), random.Uniform(-100.0, 100.0));
-    const auto [x, y] = TileAt(place, size);
-    EXPECT_LE(static_cast<double>(x) * size, place.x() + 1e-9);
-    EXPECT_GT(static_cast<double>(x + 1) * size, place.x() - 1e-9);
-    EXPECT_LE(static_cast<double>(y) * size, place.y() + 1e-9);
-    EXPECT_GT(static_cast<double>(y + 1) * size, place.y() - 1e-9);
+    const Eigen::Vector2d position(random.Uniform(-100.0, 100.0), random.Uniform(-100.0, 100.0));
+    const auto [x, y] = TileAt(position, size);
+    EXPECT_LE(static_cast<double>(x) * size, position.x() + 1e-9);
+    EXPECT_GT(static_cast<double>(x + 1) * size, position.x() - 1e-9);
+    EXPECT_LE(static_cast<double>(y) * size, position.y() + 1e-9);
+    EXPECT_GT(static_cast<double>(y + 1) * size, position.y() - 1e-9);
   }
 }
 
@@ -38,7 +38,7 @@ TEST(TileIndex, TakesWhatIsTooFarToTheOutermost) {
 }
 
 // Cells of 2 cm in tiles of 16: the same tile as of the place itself.
-TEST(TileOfCell, IsTheTileOfThePlace) {
+TEST(TileOfCell, IsTheTileOfThePosition) {
   for (std::int64_t cell = -100; cell < 100; ++cell) {
     EXPECT_EQ(TileOfCell(cell, 16), TileAlong(static_cast<double>(cell) + 0.5, 16.0)) << cell;
   }

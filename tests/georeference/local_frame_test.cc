@@ -16,7 +16,7 @@ namespace {
 const Geodetic kBeach{52.2141, 4.4004, 4.08};
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
-Geodetic RandomPlace(SeededRandom& random) {
+Geodetic RandomPosition(SeededRandom& random) {
   return {random.Uniform(-89.0, 89.0), random.Uniform(-180.0, 180.0),
           random.Uniform(-50.0, 3000.0)};
 }
@@ -28,7 +28,7 @@ TEST(LocalFrame, OriginIsZero) {
 TEST(LocalFrame, ToGeodeticInvertsToEnu) {
   SeededRandom random;
   for (int i = 0; i < 200; ++i) {
-    const LocalFrame frame(RandomPlace(random));
+    const LocalFrame frame(RandomPosition(random));
     const Eigen::Vector3d enu = random.Vector(5000.0);
     EXPECT_LT((frame.ToEnu(frame.ToGeodetic(enu)) - enu).norm(), 1e-7);  // m
   }
@@ -37,7 +37,7 @@ TEST(LocalFrame, ToGeodeticInvertsToEnu) {
 TEST(LocalFrame, AxesPointEastNorthAndUp) {
   SeededRandom random;
   for (int i = 0; i < 50; ++i) {
-    const Geodetic origin = RandomPlace(random);
+    const Geodetic origin = RandomPosition(random);
     const LocalFrame frame(origin);
     Geodetic higher = origin, farther_north = origin, farther_east = origin;
     higher.altitude_m += 10.0;
@@ -54,9 +54,9 @@ TEST(LocalFrame, AxesPointEastNorthAndUp) {
 // On a sphere of the mean radius a place d away lies d^2 / 2R below the plane.
 TEST(LocalFrame, SeaFallsAwayFromThePlane) {
   const LocalFrame frame(kBeach);
-  Geodetic place = frame.ToGeodetic({1000.0, 0.0, 0.0});
-  place.altitude_m = kBeach.altitude_m;
-  EXPECT_NEAR(frame.ToEnu(place).z(), -1000.0 * 1000.0 / (2.0 * 6.39e6), 1e-3);  // m
+  Geodetic position = frame.ToGeodetic({1000.0, 0.0, 0.0});
+  position.altitude_m = kBeach.altitude_m;
+  EXPECT_NEAR(frame.ToEnu(position).z(), -1000.0 * 1000.0 / (2.0 * 6.39e6), 1e-3);  // m
 }
 
 TEST(LocalFrame, DistancesDoNotDependOnTheOrigin) {
@@ -70,7 +70,7 @@ TEST(LocalFrame, DistancesDoNotDependOnTheOrigin) {
   }
 }
 
-TEST(LocalFrame, RefusesWhatIsNoPlace) {
+TEST(LocalFrame, RefusesWhatIsNoPosition) {
   EXPECT_THROW(LocalFrame(Geodetic{90.1, 0.0, 0.0}), DataError);
   EXPECT_THROW(LocalFrame(Geodetic{kNan, 0.0, 0.0}), DataError);
   const LocalFrame frame(kBeach);
@@ -86,13 +86,13 @@ TEST(LocalFrame, AgreesWithCartConvert) {
   SeededRandom random;
   for (int i = 0; i < 10; ++i) {
     const LocalFrame frame(kBeach);
-    const Geodetic place = frame.ToGeodetic(random.Vector(i < 5 ? 300.0 : 50'000.0));
+    const Geodetic position = frame.ToGeodetic(random.Vector(i < 5 ? 300.0 : 50'000.0));
     const auto expected = NumbersPrintedBy(
         fmt::format("echo '{:.15f} {:.15f} {:.12f}' | CartConvert -l {} {} {} -p 9",
-                    place.latitude_deg, place.longitude_deg, place.altitude_m, kBeach.latitude_deg,
-                    kBeach.longitude_deg, kBeach.altitude_m));
+                    position.latitude_deg, position.longitude_deg, position.altitude_m,
+                    kBeach.latitude_deg, kBeach.longitude_deg, kBeach.altitude_m));
     ASSERT_EQ(expected.size(), 3U);
-    const Eigen::Vector3d enu = frame.ToEnu(place);
+    const Eigen::Vector3d enu = frame.ToEnu(position);
     for (int axis = 0; axis < 3; ++axis) {
       EXPECT_NEAR(enu[axis], expected[static_cast<std::size_t>(axis)], 1e-6);  // m
     }

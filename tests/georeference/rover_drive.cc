@@ -91,10 +91,10 @@ std::vector<GnssFix> RoverDrive::Fixes(const Rigid2& plane_from_world, double cl
     Eigen::Vector3d enu;
     enu << plane_from_world * antenna.head<2>(), antenna.z();
     enu += random.Noise(1.0).cwiseProduct(fix.sigma_enu_m);
-    const Geodetic place = katwijk.ToGeodetic(enu);
-    fix.latitude_deg = place.latitude_deg;
-    fix.longitude_deg = place.longitude_deg;
-    fix.altitude_m = place.altitude_m;
+    const Geodetic position = katwijk.ToGeodetic(enu);
+    fix.latitude_deg = position.latitude_deg;
+    fix.longitude_deg = position.longitude_deg;
+    fix.altitude_m = position.altitude_m;
     fixes.push_back(fix);
   }
   return fixes;

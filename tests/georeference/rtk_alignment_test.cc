@@ -21,10 +21,10 @@ Rigid2 RandomPlacing(SeededRandom& random) {
 }
 
 // Where the alignment has a place of the world, in metres around the drive's own origin.
-Eigen::Vector2d PlaceOf(const RtkAlignment& alignment, const Eigen::Vector2d& x_in_world) {
-  const Eigen::Vector2d place = alignment.plane_from_world * x_in_world;
+Eigen::Vector2d PositionOf(const RtkAlignment& alignment, const Eigen::Vector2d& x_in_world) {
+  const Eigen::Vector2d position = alignment.plane_from_world * x_in_world;
   const LocalFrame plane(alignment.plane_origin), katwijk({52.2141, 4.4004, 6.0});
-  return katwijk.ToEnu(plane.ToGeodetic({place.x(), place.y(), 0.0})).head<2>();
+  return katwijk.ToEnu(plane.ToGeodetic({position.x(), position.y(), 0.0})).head<2>();
 }
 
 double AngleBetween(double a_rad, double b_rad) {
@@ -53,9 +53,9 @@ TEST(RtkAlignment, FindsMotionAndClockWithinItsSigmas) {
     EXPECT_LT(AngleBetween(alignment.plane_from_world.angle_rad, truth.angle_rad),
               4.5 * std::sqrt(alignment.covariance(2, 2)) + 2e-5);  // the planes differ by 1e-5
     for (const double ahead_m : {0.0, 5.0, 15.0}) {
-      const Eigen::Vector2d place(ahead_m, 3.0);
-      EXPECT_LT((PlaceOf(alignment, place) - truth * place).norm(),
-                4.5 * std::sqrt(2.0) * alignment.SigmaAt(place));
+      const Eigen::Vector2d position(ahead_m, 3.0);
+      EXPECT_LT((PositionOf(alignment, position) - truth * position).norm(),
+                4.5 * std::sqrt(2.0) * alignment.SigmaAt(position));
     }
     EXPECT_GT(alignment.rms_residual_m, 0.002);
     EXPECT_LT(alignment.rms_residual_m, 0.010);  // the fixes' 6 mm, less what was fitted
@@ -97,8 +97,9 @@ TEST(RtkAlignment, HoldsTheClockOnLinesAndCirclesAtConstantSpeed) {
       EXPECT_NEAR(fit.alignment->unknown_clock_sigma_m, 0.5 * 0.3, 0.02);  // s times m/s
       EXPECT_GE(fit.alignment->SigmaAt({5.0, 0.0}), fit.alignment->unknown_clock_sigma_m);
       // The offset of 0.4 s has moved the map by its way, no more.
-      const Eigen::Vector2d place(9.0, 0.0);
-      EXPECT_LT((PlaceOf(*fit.alignment, place) - truth * place).norm(), 0.4 * 0.3 * 4.0 + 0.05);
+      const Eigen::Vector2d position(9.0, 0.0);
+      EXPECT_LT((PositionOf(*fit.alignment, position) - truth * position).norm(),
+                0.4 * 0.3 * 4.0 + 0.05);
     }
   }
 }
@@ -134,7 +135,7 @@ TEST(RtkAlignment, LeavesOutOutliersAndOtherStatuses) {
     EXPECT_EQ(fit.alignment->used, clean.alignment->used - 5);
     ASSERT_TRUE(fit.alignment->clock_offset_sigma_s);
     EXPECT_NEAR(fit.alignment->clock_offset_s, 0.4, 4.5 * *fit.alignment->clock_offset_sigma_s);
-    EXPECT_LT((PlaceOf(*fit.alignment, {5.0, 1.0}) - truth * Eigen::Vector2d(5.0, 1.0)).norm(),
+    EXPECT_LT((PositionOf(*fit.alignment, {5.0, 1.0}) - truth * Eigen::Vector2d(5.0, 1.0)).norm(),
               0.02);  // m
   }
 }
@@ -148,7 +149,7 @@ TEST(RtkAlignment, IsNotCarriedAwayByAFixElsewhere) {
   const RtkFit fit = AlignToRtk(fixes, drive.Poses(0.0, random), kAntennaInLeft);
   ASSERT_TRUE(fit.alignment) << fit.why;
   EXPECT_EQ(fit.alignment->rejected, 1);
-  EXPECT_LT(PlaceOf(*fit.alignment, Eigen::Vector2d::Zero()).norm(), 0.03);  // m
+  EXPECT_LT(PositionOf(*fit.alignment, Eigen::Vector2d::Zero()).norm(), 0.03);  // m
 }
 
 TEST(RtkAlignment, OrderAndAWholeDayChangeNothing) {
@@ -221,9 +222,9 @@ TEST(AntennaPath, PassesThePosesAndEndsWithThem) {
   poses.erase(poses.begin() + 5, poses.begin() + 15);
   const AntennaPath path(poses, kAntennaInLeft, 3.0);
   for (const TimedPose& pose : poses) {
-    const auto place = path.At(path.SecondsOf(pose.stamp_ns));
-    ASSERT_TRUE(place);
-    EXPECT_LT((*place - (pose.world_from_left * kAntennaInLeft).head<2>()).norm(), 1e-9);  // m
+    const auto position = path.At(path.SecondsOf(pose.stamp_ns));
+    ASSERT_TRUE(position);
+    EXPECT_LT((*position - (pose.world_from_left * kAntennaInLeft).head<2>()).norm(), 1e-9);  // m
   }
   EXPECT_FALSE(path.At(-0.01));
   EXPECT_FALSE(path.At(10.01));
@@ -235,8 +236,8 @@ TEST(PlaneFit, InverseUndoesAndOutliersHardlyMatter) {
   SeededRandom random;
   for (int run = 0; run < 20; ++run) {
     const Rigid2 truth = RandomPlacing(random);
-    const Eigen::Vector2d place = random.Vector(10.0).head<2>();
-    EXPECT_LT((truth.Inverse() * (truth * place) - place).norm(), 1e-12);
+    const Eigen::Vector2d position = random.Vector(10.0).head<2>();
+    EXPECT_LT((truth.Inverse() * (truth * position) - position).norm(), 1e-12);
     std::vector<PlanePair> pairs;
     for (int i = 0; i < 20; ++i) {
       const Eigen::Vector2d from = random.Vector(10.0).head<2>();

@@ -18,17 +18,17 @@ namespace {
 constexpr double kNoNumber = std::numeric_limits<double>::quiet_NaN();
 constexpr double kDegree = std::numbers::pi / 180.0;
 
-Geodetic RandomPlaceOfTheZone(SeededRandom& random) {
+Geodetic RandomPositionOfTheZone(SeededRandom& random) {
   return {random.Uniform(-80.0, 84.0), random.Uniform(0.0, 6.0), random.Uniform(-10.0, 100.0)};
 }
 
 TEST(Utm31, FromUtm31InvertsToUtm31) {
   SeededRandom random;
   for (int i = 0; i < 300; ++i) {
-    const Geodetic place = RandomPlaceOfTheZone(random);
-    const UtmPoint point = ToUtm31(place);
-    const Geodetic back = FromUtm31(point.easting_m, point.northing_m, place.altitude_m);
-    EXPECT_LT(LocalFrame(place).ToEnu(back).norm(), 1e-7);  // m
+    const Geodetic position = RandomPositionOfTheZone(random);
+    const UtmPoint point = ToUtm31(position);
+    const Geodetic back = FromUtm31(point.easting_m, point.northing_m, position.altitude_m);
+    EXPECT_LT(LocalFrame(position).ToEnu(back).norm(), 1e-7);  // m
   }
 }
 
@@ -61,11 +61,11 @@ TEST(Utm31, IsMirroredAtTheCentralMeridianAndTheEquator) {
 TEST(Utm31, ConvergenceAndScaleTellWhereAStepGoes) {
   SeededRandom random;
   for (int i = 0; i < 100; ++i) {
-    Geodetic place = RandomPlaceOfTheZone(random);
-    place.altitude_m = 0.0;
-    const UtmPoint from = ToUtm31(place);
+    Geodetic position = RandomPositionOfTheZone(random);
+    position.altitude_m = 0.0;
+    const UtmPoint from = ToUtm31(position);
     const double east_m = random.Uniform(-1.0, 1.0), north_m = random.Uniform(-1.0, 1.0);
-    const UtmPoint to = ToUtm31(LocalFrame(place).ToGeodetic({east_m, north_m, 0.0}));
+    const UtmPoint to = ToUtm31(LocalFrame(position).ToGeodetic({east_m, north_m, 0.0}));
     const double cosine = std::cos(from.convergence_rad), sine = std::sin(from.convergence_rad);
     EXPECT_NEAR(to.easting_m - from.easting_m, from.scale * (east_m * cosine - north_m * sine),
                 2e-5);  // m
@@ -101,15 +101,15 @@ TEST(Utm31, AgreesWithGeoConvert) {
   if (!IsInstalled("GeoConvert")) GTEST_SKIP() << "GeoConvert is not installed";
   SeededRandom random;
   for (int i = 0; i < 10; ++i) {
-    const Geodetic place{random.Uniform(i < 5 ? 52.0 : 1.0, i < 5 ? 52.4 : 83.0),
-                         random.Uniform(i < 5 ? 4.2 : 0.1, i < 5 ? 4.6 : 5.9), 0.0};
+    const Geodetic position{random.Uniform(i < 5 ? 52.0 : 1.0, i < 5 ? 52.4 : 83.0),
+                            random.Uniform(i < 5 ? 4.2 : 0.1, i < 5 ? 4.6 : 5.9), 0.0};
     const std::string ask = fmt::format("echo '{:.15f} {:.15f}' | GeoConvert -z 31n -p 9 ",
-                                        place.latitude_deg, place.longitude_deg);
+                                        position.latitude_deg, position.longitude_deg);
     const auto grid = NumbersPrintedBy(ask + "-u");
     const auto turn = NumbersPrintedBy(ask + "-c");
     ASSERT_EQ(grid.size(), 2U);
     ASSERT_EQ(turn.size(), 2U);
-    const UtmPoint point = ToUtm31(place);
+    const UtmPoint point = ToUtm31(position);
     EXPECT_NEAR(point.easting_m, grid[0], 1e-6);   // m
     EXPECT_NEAR(point.northing_m, grid[1], 1e-6);  // m
     EXPECT_NEAR(point.convergence_rad, turn[0] * kDegree, 1e-12);

@@ -109,7 +109,7 @@ TEST_F(BuildGraphTest, EveryTrackNamesOnePointInDifferentKeyframes) {
   }
 }
 
-TEST_F(BuildGraphTest, AKeypointIsAFeatureOnceWithItsOwnPartner) {
+TEST_F(BuildGraphTest, AKeypointIsAFeatureOnceWithItsOwnStereoMatch) {
   const KeyframeGraph graph = part_.Graph();
   for (const GraphKeyframe& keyframe : graph.keyframes) {
     ASSERT_EQ(keyframe.features.size(), keyframe.right_keypoints.size());
@@ -151,19 +151,19 @@ TEST_F(BuildGraphTest, WithoutLimitEveryTrackOverKeyframesIsTaken) {
   const KeyframeGraph graph = part_.Graph({.tracks_per_keyframe = 1'000'000});
   std::size_t expected = 0;
   for (const Track& track : BuildTracks(part_.correspondences, false)) {
-    int keyframes = 0, partners = 0;
+    int keyframes = 0, stereo_matches = 0;
     for (const auto& [frame, feature] : track) {
       if (!part_.odometry[frame].keyframe) continue;
       ++keyframes;
-      partners += part_.correspondences.features[frame][feature].right ? 1 : 0;
+      stereo_matches += part_.correspondences.features[frame][feature].right ? 1 : 0;
     }
-    expected += keyframes >= 2 && partners > 0 ? 1 : 0;
+    expected += keyframes >= 2 && stereo_matches > 0 ? 1 : 0;
   }
   EXPECT_EQ(graph.tracks.size(), expected);
   EXPECT_GT(expected, 300u);
 }
 
-TEST_F(BuildGraphTest, APlaceThatNoPairShowsInStereoIsNotUsed) {
+TEST_F(BuildGraphTest, APointThatNoPairShowsInStereoIsNotUsed) {
   RoverPart part = part_;
   for (auto& frame : part.correspondences.features) {
     for (Feature& feature : frame) feature.right.reset();

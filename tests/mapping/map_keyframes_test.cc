@@ -74,15 +74,15 @@ class MapKeyframesTest : public testing::Test {
   }
 
   // Of all keyframes, placed by scale and odometry; each must have a pose.
-  std::vector<Rigid3> Place(const MappingResult& result) const {
-    std::vector<Rigid3> placed;
+  std::vector<Rigid3> Align(const MappingResult& result) const {
+    std::vector<Rigid3> aligned;
     for (const auto& pose :
-         PlaceModels(result.models, MeasureBaselines(result.models, part_.rover.rig.Baseline(), {}),
+         AlignModels(result.models, MeasureBaselines(result.models, part_.rover.rig.Baseline(), {}),
                      poses_)
              .world_from_left) {
-      placed.push_back(pose.value());
+      aligned.push_back(pose.value());
     }
-    return placed;
+    return aligned;
   }
 
   void ExpectFoldersLike(const MappingResult& result) const {
@@ -119,7 +119,7 @@ TEST_P(SeededOnGround, RegistersAllAndKeepsTheEyesApartAlike) {
   const BaselineScale scale = ScaleOf(result.models[0]);
   EXPECT_LT(scale.relative_spread, 0.01);
   EXPECT_THAT(scale.pairs_rejected, IsEmpty());
-  EXPECT_LT(PathError_m(Place(result), part_.rover.world_from_left), 0.005);  // of 2.2 m
+  EXPECT_LT(PathError_m(Align(result), part_.rover.world_from_left), 0.005);  // of 2.2 m
   EXPECT_GT(PathError_m(poses_, part_.rover.world_from_left), 0.006);         // the odometry alone
 }
 
@@ -136,9 +136,9 @@ TEST_F(MapKeyframesTest, TriangulatesOnTheOdometricPoses) {
   EXPECT_GE(result.models[0].points.size(), 250u);
   EXPECT_LT(ScaleOf(result.models[0]).relative_spread, 1e-9);  // by construction
   EXPECT_NEAR(ScaleOf(result.models[0]).metres_per_model_unit, 1.0, 1e-9);
-  const auto placed = Place(result);
-  for (std::size_t k = 0; k < placed.size(); ++k) {
-    EXPECT_LT((placed[k].translation - poses_[k].translation).norm(), 1e-9);  // m
+  const auto aligned = Align(result);
+  for (std::size_t k = 0; k < aligned.size(); ++k) {
+    EXPECT_LT((aligned[k].translation - poses_[k].translation).norm(), 1e-9);  // m
   }
 }
 
@@ -165,7 +165,7 @@ TEST_F(MapKeyframesTest, ACutPartIsSeededAnewAndJoinedByOdometry) {
   EXPECT_EQ(Keyframes(result.models[1]), (std::set<int>{0, 1, 2, 3, 4}));
   ExpectFoldersLike(result);
   // Of 2.6 m; one step of odometry (3 mm and 0.05 degrees an axis) and three models' noise.
-  EXPECT_LT(PathError_m(Place(result), part_.rover.world_from_left), 0.015);
+  EXPECT_LT(PathError_m(Align(result), part_.rover.world_from_left), 0.015);
 }
 
 TEST_F(MapKeyframesTest, WhatIsLeftShorterThanAModelIsNotSeeded) {

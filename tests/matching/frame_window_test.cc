@@ -39,23 +39,24 @@ TEST_F(FrameWindowTest, LoadsAFrameOnceWhileItIsHeld) {
 
 TEST_F(FrameWindowTest, KeepsPositionsOfFramesThatWereLetGo) {
   FrameWindow window = Window(2);
-  const Eigen::Vector2d moved = window.At(0).anchored.refined[4].left + Eigen::Vector2d(0.3, -0.2);
-  window.At(0).anchored.refined[4].left = moved;
-  window.At(0).anchored.aligned[4] = true;
+  const Eigen::Vector2d moved =
+      window.At(0).refinement.refined[4].left + Eigen::Vector2d(0.3, -0.2);
+  window.At(0).refinement.refined[4].left = moved;
+  window.At(0).refinement.aligned[4] = true;
   for (int frame : {1, 2, 3}) window.At(frame);
-  const AnchoredFrame& again = window.At(0).anchored;
+  const FeatureRefinement& again = window.At(0).refinement;
   EXPECT_EQ(again.refined[4].left, moved);
   EXPECT_TRUE(again.aligned[4]);
   EXPECT_FALSE(again.aligned[5]);
-  // The anchor is the frame's own patch, and the place in it is the refined one.
+  // The reference patch is the frame's own patch, and the place in it is the refined one.
   const Eigen::Vector2d found = again.found.features[4].left;
   const Eigen::Vector2d rounded(std::round(found.x()), std::round(found.y()));
-  EXPECT_LT((again.anchors[4].offset - (moved - rounded)).norm(), 1e-12);
+  EXPECT_LT((again.references[4].offset - (moved - rounded)).norm(), 1e-12);
 }
 
 TEST_F(FrameWindowTest, FinishGivesAllFrames) {
   FrameWindow window = Window(2);
-  window.At(1).anchored.refined[0].left.x() += 1.0;
+  window.At(1).refinement.refined[0].left.x() += 1.0;
   window.At(2);
   window.At(3);
   const auto features = window.Finish(6);

@@ -108,7 +108,7 @@ TEST(MatchFrames, StaysPreciseAmongWrongDescriptors) {
   EXPECT_GT(score.right, 0.99 * score.found);
 }
 
-TEST(MatchFrames, ViewsOfAPlaceMeanTheSameSpot) {
+TEST(MatchFrames, ViewsOfAPointMeanTheSameSpot) {
   SeededRandom random;
   const SyntheticRover rover = MakeSyntheticRover(Textured());
   const Correspondences found = Match(rover, DriftingOdometry(rover, random));
@@ -138,7 +138,7 @@ TEST(MatchFrames, ViewsOfAPlaceMeanTheSameSpot) {
   EXPECT_LT(after_px[after_px.size() * 9 / 10], 0.15);
 }
 
-TEST(MatchFrames, MatchesARevisit) {
+TEST(MatchFrames, MatchesALoopClosure) {
   SeededRandom random;
   std::vector<Rigid3> path;
   for (int i = 0; i < 22; ++i) {
@@ -147,9 +147,9 @@ TEST(MatchFrames, MatchesARevisit) {
   }
   const SyntheticRover rover = MakeSyntheticRover(Textured(), path);
   const Correspondences found = Match(rover, DriftingOdometry(rover, random));
-  const FramePair* revisit = Find(found, 0, 20);
-  ASSERT_TRUE(revisit);
-  const Score score = Compare(rover, *revisit);
+  const FramePair* loop_closure = Find(found, 0, 20);
+  ASSERT_TRUE(loop_closure);
+  const Score score = Compare(rover, *loop_closure);
   EXPECT_GT(score.right, 0.99 * score.found);
   EXPECT_GT(score.right, 0.5 * score.possible);
 }

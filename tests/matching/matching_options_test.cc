@@ -25,7 +25,7 @@ TEST(MatchingOptions, EveryFieldIsChecked) {
   }
 }
 
-TEST(MatchingOptions, ARevisitAloneNeedsNoFewerInliersThanOneAmongOthers) {
+TEST(MatchingOptions, ALoopClosureAloneNeedsNoFewerInliersThanOneAmongOthers) {
   EXPECT_NO_THROW(
       RequireValid(MatchingOptions{.min_revisit_inliers = 20, .sure_revisit_inliers = 20}));
   EXPECT_THROW(RequireValid(MatchingOptions{.min_revisit_inliers = 20, .sure_revisit_inliers = 19}),

@@ -80,26 +80,26 @@ TEST(SelectPairs, GivesEachKeyframeItsNeighbours) {
   }
 }
 
-TEST(SelectPairs, ProposesARevisit) {
+TEST(SelectPairs, ProposesALoopClosure) {
   const Odometry odometry = OdometryOn(Loop(24, 27));
   const auto pairs = Select(odometry);
   ExpectOrderedAndUnique(pairs);
   for (int again : {24, 25, 26}) EXPECT_TRUE(Contains(pairs, again - 24, again)) << again;
   const MatchingOptions options;
   for (int b = 0; b < 27; ++b) {
-    const auto revisits = std::count_if(pairs.begin(), pairs.end(), [&](const CandidatePair& pair) {
-      return pair.b == b && pair.revisit;
-    });
-    EXPECT_LE(revisits, options.max_revisits);
+    const auto loop_closures =
+        std::count_if(pairs.begin(), pairs.end(),
+                      [&](const CandidatePair& pair) { return pair.b == b && pair.loop_closure; });
+    EXPECT_LE(loop_closures, options.max_revisits);
   }
   // The other side of the circle is not in view.
   EXPECT_FALSE(Contains(pairs, 0, 12));
   for (const CandidatePair& pair : pairs) {
-    EXPECT_EQ(pair.revisit, pair.b - pair.a > options.neighbours);
+    EXPECT_EQ(pair.loop_closure, pair.b - pair.a > options.neighbours);
   }
 }
 
-TEST(SelectPairs, ProposesNoRevisitWhereTheRoverFacesTheOtherWay) {
+TEST(SelectPairs, ProposesNoLoopClosureWhereTheRoverFacesTheOtherWay) {
   std::vector<Rigid3> path = Loop(400, 10);
   for (int i = 9; i >= 0; --i) {  // back along the same track
     Rigid3 turned = path[i];
@@ -108,7 +108,7 @@ TEST(SelectPairs, ProposesNoRevisitWhereTheRoverFacesTheOtherWay) {
     path.push_back(turned);
   }
   for (const CandidatePair& pair : Select(OdometryOn(path))) {
-    EXPECT_FALSE(pair.revisit && pair.a < 10 && pair.b >= 10) << pair.a << " " << pair.b;
+    EXPECT_FALSE(pair.loop_closure && pair.a < 10 && pair.b >= 10) << pair.a << " " << pair.b;
   }
 }
 
@@ -124,13 +124,13 @@ TEST(SelectPairs, TiesOtherFramesToTheKeyframesAroundThem) {
   EXPECT_EQ(others, (std::set<std::pair<int, int>>{
                         {0, 1}, {1, 3}, {0, 2}, {2, 3}, {3, 4}, {4, 5}, {7, 8}}));
   // After both keyframes have been matched with those before them, and before the next one.
-  const auto place = [&](int a, int b) {
+  const auto index_of = [&](int a, int b) {
     return std::find_if(pairs.begin(), pairs.end(),
                         [&](const CandidatePair& pair) { return pair.a == a && pair.b == b; });
   };
-  EXPECT_LT(place(0, 3), place(0, 1));
-  EXPECT_LT(place(2, 3), place(3, 5));
-  EXPECT_LT(place(3, 5), place(4, 5));
+  EXPECT_LT(index_of(0, 3), index_of(0, 1));
+  EXPECT_LT(index_of(2, 3), index_of(3, 5));
+  EXPECT_LT(index_of(3, 5), index_of(4, 5));
 }
 
 TEST(SelectPairs, FewFramesAndNoPoints) {
@@ -138,7 +138,7 @@ TEST(SelectPairs, FewFramesAndNoPoints) {
   EXPECT_TRUE(Select(OdometryOn(Loop(24, 1))).empty());
   const Odometry odometry = OdometryOn(Loop(24, 27));
   for (const auto& pair : SelectPairs(odometry, Points(27), LocCamRig(), {})) {
-    EXPECT_FALSE(pair.revisit);
+    EXPECT_FALSE(pair.loop_closure);
   }
 }
 

@@ -11,7 +11,7 @@
 namespace rigmap {
 namespace {
 
-// Noise as the options expect it of a stereo partner; of matches they expect more.
+// Noise as the options expect it of a stereo match; of matches they expect more.
 constexpr double kPixelSigma = 0.1;
 
 SyntheticRover Rover(const std::vector<Rigid3>& path) {

@@ -47,7 +47,7 @@ TEST(LedgerTest, SaysThatWhatItReadsIsReused) {
   for (const StageRecord& record : ReadLedger(folder.Path()).stages) EXPECT_TRUE(record.reused);
 }
 
-TEST(LedgerTest, PutsARecordInThePlaceOfItsNamesake) {
+TEST(LedgerTest, ReplacesTheRecordOfTheSameName) {
   Ledger ledger = TwoStages();
   ledger.Put({.name = "odometry", .key = "k3"});
   EXPECT_EQ(ledger.stages.size(), 2U);

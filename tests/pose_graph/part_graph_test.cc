@@ -50,7 +50,7 @@ TEST_F(PartGraphTest, StepsKeepTheMotionOfThePosesGiven) {
   }
 }
 
-TEST_F(PartGraphTest, ARevisitIsALoopClosureWhereBothFramesHaveAPose) {
+TEST_F(PartGraphTest, ALoopClosureIsAnEdgeWhereBothFramesHaveAPose) {
   poses_[3].reset();
   const Rigid3 there_from_here = random_.Motion(1.0);
   const Matrix6d covariance = 1e-4 * Matrix6d::Identity();

@@ -47,7 +47,7 @@ Odometry Chain() {
   return odometry;
 }
 
-Revisit TrueRevisit(const std::vector<Rigid3>& truth, int a, int b) {
+LoopClosure TrueLoopClosure(const std::vector<Rigid3>& truth, int a, int b) {
   return {a, b, truth[b].Inverse() * truth[a], 1e-6 * Matrix6d::Identity(), true};
 }
 
@@ -73,7 +73,7 @@ TEST(RelaxPoses, AClosingEdgeTakesTheDriftOut) {
   SeededRandom random;
   const auto truth = Circle();
   const Poses start = Drifted(truth, random);
-  const Poses relaxed = RelaxPoses(start, Chain(), {TrueRevisit(truth, 0, kFrames - 1)});
+  const Poses relaxed = RelaxPoses(start, Chain(), {TrueLoopClosure(truth, 0, kFrames - 1)});
   EXPECT_GT(WorstError_m(start, truth), 0.25);
   // Two per cent of the diameter stay: no loop tells its own size.
   EXPECT_LT(WorstError_m(relaxed, truth), 0.15);
@@ -88,18 +88,18 @@ TEST(RelaxPoses, OneWrongEdgeBendsNothing) {
   SeededRandom random;
   const auto truth = Circle();
   const Poses start = Drifted(truth, random);
-  const Revisit right = TrueRevisit(truth, 0, kFrames - 1);
-  Revisit wrong = TrueRevisit(truth, 20, 70);
+  const LoopClosure right = TrueLoopClosure(truth, 0, kFrames - 1);
+  LoopClosure wrong = TrueLoopClosure(truth, 20, 70);
   wrong.b_from_a = {random.Rotation(0.3), wrong.b_from_a.translation + random.Vector(2.0)};
   const Poses with_both = RelaxPoses(start, Chain(), {right, wrong});
   EXPECT_LT(WorstMove_m(with_both, RelaxPoses(start, Chain(), {right})), 1e-4);
   EXPECT_LT(WorstMove_m(RelaxPoses(start, Chain(), {wrong}), start), 1e-12);
 }
 
-TEST(RelaxPoses, AgreeingRevisitsChangeNothing) {
+TEST(RelaxPoses, AgreeingLoopClosuresChangeNothing) {
   const auto truth = Circle();
   const Poses start(truth.begin(), truth.end());
-  const Poses relaxed = RelaxPoses(start, Chain(), {TrueRevisit(truth, 0, 99)});
+  const Poses relaxed = RelaxPoses(start, Chain(), {TrueLoopClosure(truth, 0, 99)});
   EXPECT_EQ(WorstMove_m(relaxed, start), 0.0);
   EXPECT_EQ(WorstMove_m(RelaxPoses(start, Chain(), {}), start), 0.0);
 }
@@ -109,9 +109,9 @@ TEST(RelaxPoses, FramesWithoutAPoseAreStridden) {
   const auto truth = Circle();
   Poses start = Drifted(truth, random);
   for (int i : {10, 11, 50}) start[i].reset();
-  const std::vector<Revisit> revisits{TrueRevisit(truth, 0, 99), TrueRevisit(truth, 1, 99),
-                                      TrueRevisit(truth, 10, 90)};
-  const Poses relaxed = RelaxPoses(start, Chain(), revisits);
+  const std::vector<LoopClosure> loop_closures{
+      TrueLoopClosure(truth, 0, 99), TrueLoopClosure(truth, 1, 99), TrueLoopClosure(truth, 10, 90)};
+  const Poses relaxed = RelaxPoses(start, Chain(), loop_closures);
   for (int i = 0; i < kFrames; ++i) EXPECT_EQ(relaxed[i].has_value(), start[i].has_value());
   EXPECT_LT(WorstError_m(relaxed, truth), 0.15);
 }
@@ -123,9 +123,9 @@ TEST(RelaxPoses, MovesWithTheWholePart) {
   const Rigid3 elsewhere = random.Motion(10.0);
   Poses moved;
   for (const auto& pose : start) moved.push_back(elsewhere * *pose);
-  const std::vector<Revisit> revisits{TrueRevisit(truth, 0, 99)};
-  const Poses here = RelaxPoses(start, Chain(), revisits);
-  const Poses there = RelaxPoses(moved, Chain(), revisits);
+  const std::vector<LoopClosure> loop_closures{TrueLoopClosure(truth, 0, 99)};
+  const Poses here = RelaxPoses(start, Chain(), loop_closures);
+  const Poses there = RelaxPoses(moved, Chain(), loop_closures);
   for (int i = 0; i < kFrames; ++i) {
     EXPECT_LT((there[i]->translation - (elsewhere * *here[i]).translation).norm(), 1e-4);
   }

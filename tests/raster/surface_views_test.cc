@@ -24,12 +24,12 @@ using testing::UnorderedElementsAre;
 
 constexpr double kViewCell = 0.01;  // m
 
-Trajectory Path(const std::vector<Eigen::Vector3d>& places) {
+Trajectory Path(const std::vector<Eigen::Vector3d>& positions) {
   Trajectory trajectory;
-  for (const Eigen::Vector3d& place : places) {
+  for (const Eigen::Vector3d& position : positions) {
     TimedPose pose;
     pose.stamp_ns = static_cast<StampNs>(trajectory.size());
-    pose.world_from_left.translation = place;
+    pose.world_from_left.translation = position;
     trajectory.push_back(pose);
   }
   return trajectory;
@@ -128,9 +128,9 @@ TEST(DrivingDirection, FollowsThePathFromStartToEnd) {
   for (int i = 0; i < 100; ++i) {
     const double heading_rad = random.Uniform(-3.1, 3.1);
     const Eigen::Vector3d driving(std::cos(heading_rad), std::sin(heading_rad), 0.0);
-    std::vector<Eigen::Vector3d> places;
-    for (int k = 0; k < 20; ++k) places.push_back(0.3 * k * driving + random.Noise(0.02));
-    EXPECT_GT(DrivingDirection(Path(places)).dot(driving), 0.999);
+    std::vector<Eigen::Vector3d> positions;
+    for (int k = 0; k < 20; ++k) positions.push_back(0.3 * k * driving + random.Noise(0.02));
+    EXPECT_GT(DrivingDirection(Path(positions)).dot(driving), 0.999);
   }
   EXPECT_EQ(DrivingDirection({}), Eigen::Vector3d::UnitX());
   EXPECT_EQ(DrivingDirection(Path({{1.0, 2.0, 3.0}})), Eigen::Vector3d::UnitX());
@@ -166,7 +166,7 @@ TEST_F(Views, HaveTheSizeAskedForWithPathAndScale) {
   }
 }
 
-TEST_F(Views, ShowPlacesWhereTheScaleSaysTheyAre) {
+TEST_F(Views, ShowPositionsWhereTheScaleSaysTheyAre) {
   Write(MapCloud(kViewCell), PathAlongX());
   const cv::Mat3b picture = Picture("view_top.png");
   // The cloud is 4 m wide (and up to a step of 5 cm at either end), so a quarter takes 1 m.

@@ -52,9 +52,9 @@ void ExpectSamePath(const std::vector<std::optional<Rigid3>>& found,
 }
 
 // By the scales of their own pairs.
-PlacedKeyframes Place(const std::vector<SparseModel>& models, const std::vector<Rigid3>& odometric,
-                      const StereoRig& rig, const ScaleOptions& options) {
-  return PlaceModels(models, MeasureBaselines(models, rig.Baseline(), options), odometric);
+AlignedKeyframes Align(const std::vector<SparseModel>& models, const std::vector<Rigid3>& odometric,
+                       const StereoRig& rig, const ScaleOptions& options) {
+  return AlignModels(models, MeasureBaselines(models, rig.Baseline(), options), odometric);
 }
 
 class BaselineScaleTest : public testing::Test {
@@ -147,12 +147,12 @@ TEST_F(BaselineScaleTest, OneModelIsLaidOnTheOdometry) {
   odometric.assign(12, random_.Motion(5.0));  // only the first keyframe's counts
   odometric[0] = expected[0];
   const Sim3 model_from_world = random_.Similarity(20.0);
-  const auto placed =
-      Place({ModelOf(rover_, 0, 12, model_from_world)}, odometric, rover_.rig, options_);
-  ExpectSamePath(placed.world_from_left, expected, 1e-9, 1e-7);
-  ASSERT_EQ(placed.models.size(), 1u);
-  EXPECT_EQ(placed.models[0].keyframes.size(), 12u);
-  const Sim3 round = placed.models[0].world_from_model * model_from_world;
+  const auto aligned =
+      Align({ModelOf(rover_, 0, 12, model_from_world)}, odometric, rover_.rig, options_);
+  ExpectSamePath(aligned.world_from_left, expected, 1e-9, 1e-7);
+  ASSERT_EQ(aligned.models.size(), 1u);
+  EXPECT_EQ(aligned.models[0].keyframes.size(), 12u);
+  const Sim3 round = aligned.models[0].world_from_model * model_from_world;
   EXPECT_NEAR(round.scale, 1.0, 1e-9);
   EXPECT_LT((round.translation - moved.translation).norm(), 1e-7);  // m
 }
@@ -162,10 +162,10 @@ TEST_F(BaselineScaleTest, TwoModelsOfDifferentGaugesMakeOnePath) {
     const SparseModel first = ModelOf(rover_, 0, 5, random_.Similarity(20.0));
     const SparseModel second = ModelOf(rover_, 6, 12, random_.Similarity(20.0));
     for (const auto& models : {std::vector{first, second}, std::vector{second, first}}) {
-      const auto placed = Place(models, rover_.world_from_left, rover_.rig, options_);
-      ASSERT_EQ(placed.models.size(), 2u);
-      EXPECT_FALSE(placed.world_from_left[5]);
-      auto found = placed.world_from_left;
+      const auto aligned = Align(models, rover_.world_from_left, rover_.rig, options_);
+      ASSERT_EQ(aligned.models.size(), 2u);
+      EXPECT_FALSE(aligned.world_from_left[5]);
+      auto found = aligned.world_from_left;
       found[5] = rover_.world_from_left[5];
       ExpectSamePath(found, rover_.world_from_left, 1e-9, 1e-7);
     }
@@ -177,10 +177,10 @@ TEST_F(BaselineScaleTest, ASecondModelHangsOnTheNearestKeyframeOfTheFirst) {
   auto odometric = DriftingPoses(rover_, 0.05, 0.02, random_);
   odometric[0] = rover_.world_from_left[0];
   odometric[6] = odometric[5] * (rover_.world_from_left[5].Inverse() * rover_.world_from_left[6]);
-  const auto placed = Place({ModelOf(rover_, 0, 6, random_.Similarity(9.0)),
-                                   ModelOf(rover_, 6, 12, random_.Similarity(9.0))},
-                                  odometric, rover_.rig, options_);
-  ExpectSamePath(placed.world_from_left, rover_.world_from_left, 1e-9, 1e-7);
+  const auto aligned = Align({ModelOf(rover_, 0, 6, random_.Similarity(9.0)),
+                              ModelOf(rover_, 6, 12, random_.Similarity(9.0))},
+                             odometric, rover_.rig, options_);
+  ExpectSamePath(aligned.world_from_left, rover_.world_from_left, 1e-9, 1e-7);
 }
 
 TEST_F(BaselineScaleTest, WhereModelsOverlapTheEarlierStays) {
@@ -190,13 +190,13 @@ TEST_F(BaselineScaleTest, WhereModelsOverlapTheEarlierStays) {
     Shift(second, Left(k), 1.0 / unit);
     Shift(second, Right(k), 1.0 / unit);
   }
-  const auto placed = Place({ModelOf(rover_, 0, 8, random_.Similarity(20.0)), second},
-                                  rover_.world_from_left, rover_.rig, options_);
-  EXPECT_THAT(placed.models[0].keyframes, ElementsAre(0, 1, 2, 3, 4, 5, 6, 7));
-  EXPECT_THAT(placed.models[1].keyframes, ElementsAre(8, 9, 10, 11));
+  const auto aligned = Align({ModelOf(rover_, 0, 8, random_.Similarity(20.0)), second},
+                             rover_.world_from_left, rover_.rig, options_);
+  EXPECT_THAT(aligned.models[0].keyframes, ElementsAre(0, 1, 2, 3, 4, 5, 6, 7));
+  EXPECT_THAT(aligned.models[1].keyframes, ElementsAre(8, 9, 10, 11));
   for (int k = 0; k < 8; ++k) {
     EXPECT_LT(
-        (placed.world_from_left[k]->translation - rover_.world_from_left[k].translation).norm(),
+        (aligned.world_from_left[k]->translation - rover_.world_from_left[k].translation).norm(),
         1e-9);  // m
   }
 }
@@ -206,10 +206,10 @@ TEST_F(BaselineScaleTest, AWildPairDoesNotCarryAModel) {
   Shift(first, Left(0), 0.5);
   Shift(first, Left(5), 0.5);
   Shift(second, Left(6), -0.5);
-  const auto placed = Place({first, second}, rover_.world_from_left, rover_.rig, options_);
+  const auto aligned = Align({first, second}, rover_.world_from_left, rover_.rig, options_);
   for (int k : {1, 2, 3, 4, 7, 8, 9, 10, 11}) {
     EXPECT_LT(
-        (placed.world_from_left[k]->translation - rover_.world_from_left[k].translation).norm(),
+        (aligned.world_from_left[k]->translation - rover_.world_from_left[k].translation).norm(),
         1e-9)  // m
         << k;
   }
@@ -218,12 +218,12 @@ TEST_F(BaselineScaleTest, AWildPairDoesNotCarryAModel) {
 TEST_F(BaselineScaleTest, AModelWithoutAStereoPairIsLeftOut) {
   SparseModel lone = ModelOf(rover_, 0, 4, Sim3());
   std::erase_if(lone.images, [](const SparseImage& image) { return image.ref.eye == Eye::kRight; });
-  const auto placed = Place({lone, ModelOf(rover_, 6, 12, Sim3())}, rover_.world_from_left,
-                                  rover_.rig, options_);
-  ASSERT_EQ(placed.models.size(), 1u);
-  EXPECT_EQ(placed.models[0].model, 1);
-  EXPECT_FALSE(placed.world_from_left[0]);
-  EXPECT_TRUE(placed.world_from_left[6]);
+  const auto aligned =
+      Align({lone, ModelOf(rover_, 6, 12, Sim3())}, rover_.world_from_left, rover_.rig, options_);
+  ASSERT_EQ(aligned.models.size(), 1u);
+  EXPECT_EQ(aligned.models[0].model, 1);
+  EXPECT_FALSE(aligned.world_from_left[0]);
+  EXPECT_TRUE(aligned.world_from_left[6]);
 }
 
 TEST(ScaleOptions, DefaultsHoldAndNonsenseIsRefused) {

@@ -27,7 +27,7 @@ const Terrain& Beach() {
 }
 
 const std::vector<Boulder>& ManyBoulders() {
-  static const auto boulders = PlaceBoulders(Beach(), Way(), 14.0, 9);
+  static const auto boulders = ScatterBoulders(Beach(), Way(), 14.0, 9);
   return boulders;
 }
 
@@ -85,8 +85,8 @@ TEST(Boulders, LeaveTheWayFreeAndStandApart) {
   for (std::size_t i = 0; i < ManyBoulders().size(); ++i) {
     const Boulder& boulder = ManyBoulders()[i];
     double from_way_m = 1e9;
-    for (const auto& place : way) {
-      from_way_m = std::min(from_way_m, (place - boulder.centre.head<2>()).norm());
+    for (const auto& position : way) {
+      from_way_m = std::min(from_way_m, (position - boulder.centre.head<2>()).norm());
     }
     EXPECT_GE(from_way_m, 0.5 * boulder.width_m + 0.95);
     EXPECT_LE(from_way_m, 7.0);
@@ -103,9 +103,9 @@ TEST(Boulders, LeaveTheWayFreeAndStandApart) {
 TEST(Boulders, AreAsManyAsAskedForAndDifferFromEachOther) {
   const auto& boulders = ManyBoulders();
   EXPECT_NEAR(static_cast<double>(boulders.size()), 14.0 * 3.7, 6.0);  // of about 370 m2
-  EXPECT_TRUE(PlaceBoulders(Beach(), Way(), 0.0, 9).empty());
-  EXPECT_TRUE(PlaceBoulders(Beach(), {}, 14.0, 9).empty());
-  EXPECT_NEAR(static_cast<double>(PlaceBoulders(Beach(), Way(), 7.0, 9).size()),
+  EXPECT_TRUE(ScatterBoulders(Beach(), Way(), 0.0, 9).empty());
+  EXPECT_TRUE(ScatterBoulders(Beach(), {}, 14.0, 9).empty());
+  EXPECT_NEAR(static_cast<double>(ScatterBoulders(Beach(), Way(), 7.0, 9).size()),
               0.5 * static_cast<double>(boulders.size()), 2.0);
   const auto shape = [](const Boulder& boulder) {
     return VolumeOf(boulder.mesh) / (boulder.width_m * boulder.width_m * boulder.height_m);
@@ -115,8 +115,8 @@ TEST(Boulders, AreAsManyAsAskedForAndDifferFromEachOther) {
 }
 
 TEST(Boulders, EqualSeedsGiveEqualBoulders) {
-  const auto again = PlaceBoulders(Beach(), Way(), 14.0, 9),
-             other = PlaceBoulders(Beach(), Way(), 14.0, 10);
+  const auto again = ScatterBoulders(Beach(), Way(), 14.0, 9),
+             other = ScatterBoulders(Beach(), Way(), 14.0, 10);
   ASSERT_EQ(again.size(), ManyBoulders().size());
   for (std::size_t i = 0; i < again.size(); ++i) {
     EXPECT_EQ(again[i].top, ManyBoulders()[i].top);
@@ -128,7 +128,7 @@ TEST(Boulders, EqualSeedsGiveEqualBoulders) {
 TEST(Boulders, RocksHaveMoreThanTheBeach) {
   const auto count = [](const std::string& name) {
     const SceneOptions scene = MakeScene(name, 4);
-    return PlaceBoulders(Beach(), Way(), scene.boulders_per_100_m2, 4).size();
+    return ScatterBoulders(Beach(), Way(), scene.boulders_per_100_m2, 4).size();
   };
   EXPECT_GT(count("rocks"), 2 * count("beach"));
   EXPECT_GT(count("beach"), 5u);
@@ -158,7 +158,7 @@ TEST(Debris, IsSmallClosedAndHalfInTheSand) {
     EXPECT_LT(lowest_m, sand_m);
     EXPECT_GT(highest_m, sand_m);
     const bool is_near = std::ranges::any_of(
-        way, [&](const auto& place) { return (place - centre.head<2>()).norm() < 4.01; });
+        way, [&](const auto& position) { return (position - centre.head<2>()).norm() < 4.01; });
     EXPECT_TRUE(is_near);
   }
   EXPECT_GT(shortest_m, 0.008);

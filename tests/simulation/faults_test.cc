@@ -65,7 +65,7 @@ TEST(Faults, CountedDroppedFramesFollowEachOtherAwayFromTheEnds) {
   }
 }
 
-TEST(Faults, SeedChoosesThePlaces) {
+TEST(Faults, SeedChoosesTheFrames) {
   EXPECT_EQ(Plan({"dropped=5", "exposure=4", "slip=2"}, 7),
             Plan({"dropped=5", "exposure=4", "slip=2"}, 7));
   int different = 0;

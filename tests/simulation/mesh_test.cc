@@ -33,7 +33,7 @@ TEST(Mesh, ChecksSeeAHoleAndATriangleThatIsTurned) {
   EXPECT_FALSE(IsClosed(turned));
 }
 
-TEST(Mesh, NormalsOfTheSphereAreItsPlaces) {
+TEST(Mesh, NormalsOfTheSphereAreItsPositions) {
   const Mesh sphere = Icosphere(3);
   const auto normals = sphere.VertexNormals();
   ASSERT_EQ(normals.size(), sphere.vertices.size());

@@ -55,9 +55,9 @@ TEST(Noise, StaysWithinOneAndHasNoMean) {
   SeededRandom random;
   double sum = 0.0, squares = 0.0, sum3 = 0.0, squares3 = 0.0;
   for (int i = 0; i < kSamples; ++i) {
-    const Eigen::Vector3d place = random.Vector(kReach);
-    const float flat = GradientNoise(place.x(), place.y(), 5).value,
-                solid = GradientNoise3(place.x(), place.y(), place.z(), 5);
+    const Eigen::Vector3d position = random.Vector(kReach);
+    const float flat = GradientNoise(position.x(), position.y(), 5).value,
+                solid = GradientNoise3(position.x(), position.y(), position.z(), 5);
     ASSERT_LE(std::abs(flat), 1.0f);
     ASSERT_LE(std::abs(solid), 1.05f);
     sum += flat;

@@ -49,7 +49,7 @@ class Photographs : public testing::Test {
   const Photographer photographer_{world_, rig_, plan_, motion_};
 };
 
-TEST_F(Photographs, ShowWhatEachEyeSeesFromItsPlace) {
+TEST_F(Photographs, ShowWhatEachEyeSeesFromItsPosition) {
   for (const Eye eye : kEyes) {
     const Eye other = eye == Eye::kLeft ? Eye::kRight : Eye::kLeft;
     const cv::Mat picture = photographer_.Take(frames_[0], eye);

@@ -16,7 +16,7 @@ using testing::HasSubstr;
 
 StereoRig With(const std::string& spec) { return WithRigErrors(LocCamRig(), std::array{spec}); }
 
-TEST(RigErrors, TurnsKeepTheRightEyesPlace) {
+TEST(RigErrors, TurnsKeepTheRightEyesPosition) {
   const StereoRig rig = LocCamRig();
   for (const char axis : {'x', 'y', 'z'}) {
     const StereoRig told = With(std::string("turn-") + axis + "=0.5");

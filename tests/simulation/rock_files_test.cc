@@ -45,9 +45,9 @@ TEST(RockFiles, RowsAreTheBouldersOfTheirSizeWithinTheSurveysError) {
     const auto rows = ReadRows(folder.Path() / "Rock Data" / "Rock Positions Traverse 3" / name);
     ASSERT_EQ(rows.size(), 100u);
     for (std::size_t i = 0; i < rows.size(); ++i) {
-      const Geodetic place = FromUtm31(rows[i].x(), rows[i].y(), kOrigin.altitude_m);
+      const Geodetic position = FromUtm31(rows[i].x(), rows[i].y(), kOrigin.altitude_m);
       const Eigen::Vector3d error =
-          local.ToEnu(place) - boulders[3 * i + static_cast<std::size_t>(size)].centre;
+          local.ToEnu(position) - boulders[3 * i + static_cast<std::size_t>(size)].centre;
       EXPECT_LT(error.head<2>().norm(), 6.0 * kRockSurveySigma_m);
       sum2 += error.head<2>().squaredNorm();
     }

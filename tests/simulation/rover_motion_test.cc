@@ -38,10 +38,10 @@ TEST(RoverMotion, LiesOnATiltedPlaneExactly) {
       EXPECT_NEAR(std::remainder(std::atan2(forward.y(), forward.x()) - state.heading_rad,
                                  2.0 * std::numbers::pi),
                   0.0, 1e-9);
-      const Eigen::Vector3d& place = world_from_body.translation;
-      EXPECT_LT((place.head<2>() - state.position_m).norm(), 1e-12);
+      const Eigen::Vector3d& position = world_from_body.translation;
+      EXPECT_LT((position.head<2>() - state.position_m).norm(), 1e-12);
       // Smoothing over time cuts a corner where the speed changes.
-      EXPECT_NEAR(place.z(), 2.0 + to_east * place.x() + to_north * place.y(), 1e-4);  // m
+      EXPECT_NEAR(position.z(), 2.0 + to_east * position.x() + to_north * position.y(), 1e-4);  // m
     }
   }
 }

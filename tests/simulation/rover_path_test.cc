@@ -202,7 +202,7 @@ TEST(RoverPath, StopAndGoStandsForSeveralFrames) {
   }
 }
 
-TEST(RoverPath, SpotTurnTurnsInOnePlace) {
+TEST(RoverPath, SpotTurnStaysInOnePosition) {
   const RoverPath path = MakeRoverPath({"spot-turn", 40, 0.2, 1.25, 0.0});
   EXPECT_NEAR(path.At(path.duration_s()).heading_rad, 0.5 * kPi, 1e-9);
   const PlanarState middle = path.At(0.5 * path.duration_s());

@@ -95,16 +95,16 @@ TEST_F(Rtk, RowsReadBack) {
   for (std::string line; std::getline(stream, line); ++count) {
     std::istringstream words(line);
     std::string stamp, status, rest;
-    Geodetic place;
+    Geodetic position;
     Eigen::Vector3d sigma_neu_m;
-    words >> stamp >> status >> place.latitude_deg >> place.longitude_deg >> place.altitude_m >>
-        sigma_neu_m.x() >> sigma_neu_m.y() >> sigma_neu_m.z();
+    words >> stamp >> status >> position.latitude_deg >> position.longitude_deg >>
+        position.altitude_m >> sigma_neu_m.x() >> sigma_neu_m.y() >> sigma_neu_m.z();
     ASSERT_TRUE(words) << line;
     EXPECT_FALSE(words >> rest) << line;
     const GnssFix& fix = fixes.at(count);
     EXPECT_EQ(ParseKatwijkStamp(stamp), fix.stamp_ns);
     EXPECT_EQ(status, fix.status);
-    EXPECT_LT((local_.ToEnu(place) - EnuOf(fix)).norm(), 6e-4);  // m
+    EXPECT_LT((local_.ToEnu(position) - EnuOf(fix)).norm(), 6e-4);  // m
     EXPECT_NEAR(sigma_neu_m.x(), fix.sigma_enu_m.y(), 1e-9);
     EXPECT_NEAR(sigma_neu_m.y(), fix.sigma_enu_m.x(), 1e-9);
   }

@@ -16,8 +16,8 @@ constexpr int kCells = SandTiles::kCells;
 
 const SandTiles& Tiles() { return SmallWorld().parts().tiles; }
 double SideOf(const SandTile& tile) { return kCells * tile.cell_m; }
-bool Holds(const SandTile& tile, const Eigen::Vector2d& place) {
-  const Eigen::Array2d at = (place - tile.corner).array() / SideOf(tile);
+bool Holds(const SandTile& tile, const Eigen::Vector2d& position) {
+  const Eigen::Array2d at = (position - tile.corner).array() / SideOf(tile);
   return (at >= 0.0).all() && (at < 1.0).all();
 }
 
@@ -35,15 +35,15 @@ TEST(SandTiles, CoverASquareOnce) {
   SeededRandom random;
   for (int i = 0; i < 2000; ++i) {
     const double reach_m = i % 2 ? 10.0 : 640.0;
-    const Eigen::Vector2d place = random.Vector(reach_m).head<2>();
+    const Eigen::Vector2d position = random.Vector(reach_m).head<2>();
     const auto holding = std::ranges::count_if(
-        Tiles().tiles(), [&](const auto& tile) { return Holds(tile, place); });
-    ASSERT_EQ(holding, 1) << place.transpose();
-    EXPECT_TRUE(Holds(Tiles().tiles()[Tiles().TileAt(place)], place));
+        Tiles().tiles(), [&](const auto& tile) { return Holds(tile, position); });
+    ASSERT_EQ(holding, 1) << position.transpose();
+    EXPECT_TRUE(Holds(Tiles().tiles()[Tiles().TileAt(position)], position));
   }
 }
 
-TEST(SandTiles, PlacesOutsideAreTakenToTheNearestEdge) {
+TEST(SandTiles, PositionsOutsideAreTakenToTheNearestEdge) {
   EXPECT_EQ(Tiles().TileAt({5000.0, 30.0}), Tiles().TileAt({600.0, 30.0}));
   EXPECT_EQ(Tiles().TileAt({30.0, -5000.0}), Tiles().TileAt({30.0, -600.0}));
   EXPECT_EQ(Tiles().TileAt({-5000.0, 5000.0}), Tiles().TileAt({-600.0, 600.0}));
@@ -63,8 +63,9 @@ TEST(SandTiles, CellsAreFineNearTheOutlineAndLieOnTheirMultiples) {
   for (int i = 0; i < 2000; ++i) {
     const Eigen::Vector2d way(random.Uniform(0.0, 2.0), 0.0);
     const double angle = random.Uniform(0.0, 7.0), out_m = random.Uniform(0.0, 4.19);
-    const Eigen::Vector2d place = way + out_m * Eigen::Vector2d(std::cos(angle), std::sin(angle));
-    EXPECT_LT(Tiles().tiles()[Tiles().TileAt(place)].cell_m, 1.001 * kSmallCell_m);
+    const Eigen::Vector2d position =
+        way + out_m * Eigen::Vector2d(std::cos(angle), std::sin(angle));
+    EXPECT_LT(Tiles().tiles()[Tiles().TileAt(position)].cell_m, 1.001 * kSmallCell_m);
   }
 }
 

@@ -199,7 +199,7 @@ TEST_F(SimulatedFiles, RocksFilesNameTheBouldersOfTheTruth) {
   const DrivePlan plan = PlanDrive(SmallRequest());
   const Terrain terrain(plan.scene.terrain);
   const auto outline = plan.path.Outline(0.25);
-  EXPECT_EQ(rows, PlaceBoulders(terrain, outline, plan.scene.boulders_per_100_m2, 5).size());
+  EXPECT_EQ(rows, ScatterBoulders(terrain, outline, plan.scene.boulders_per_100_m2, 5).size());
   EXPECT_GT(rows, 0u);
 }
 

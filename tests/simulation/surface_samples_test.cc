@@ -95,13 +95,13 @@ TEST(SurfaceSamples, SandIsEveryNodeThatNoBoulderCovers) {
   int covered = 0, open = 0;
   for (int i = -80; i <= 120; ++i) {
     for (int j = -80; j <= 80; ++j) {
-      const Eigen::Vector3d place(i * kSmallCell_m, j * kSmallCell_m, 3.0);
-      if (DistanceFromOutline(place) > SurfaceSampler::kReach_m - 1e-3) continue;
-      const auto from_above = SmallWorld().Cast(place, -Eigen::Vector3d::UnitZ());
+      const Eigen::Vector3d position(i * kSmallCell_m, j * kSmallCell_m, 3.0);
+      if (DistanceFromOutline(position) > SurfaceSampler::kReach_m - 1e-3) continue;
+      const auto from_above = SmallWorld().Cast(position, -Eigen::Vector3d::UnitZ());
       ASSERT_TRUE(from_above);
       const auto node = height_m.find({i, j});
       if (from_above->kind == SurfaceKind::kSand) {
-        ASSERT_NE(node, height_m.end()) << place.transpose();
+        ASSERT_NE(node, height_m.end()) << position.transpose();
         EXPECT_NEAR(node->second, from_above->position.z(), kSmallNoise_m);
         ++open;
       } else if (from_above->kind == SurfaceKind::kRock && node == height_m.end()) {

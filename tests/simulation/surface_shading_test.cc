@@ -24,10 +24,10 @@ class LightOnGround : public testing::Test {
     scene_.Commit();
   }
   // A small level square about a place.
-  static Mesh Ground(const Eigen::Vector2d& place) {
+  static Mesh Ground(const Eigen::Vector2d& position) {
     Mesh mesh;
     for (int i = 0; i < 4; ++i) {
-      mesh.vertices.emplace_back(place.x() + 1e-3 * (i % 2), place.y() + 1e-3 * (i / 2), 0.0);
+      mesh.vertices.emplace_back(position.x() + 1e-3 * (i % 2), position.y() + 1e-3 * (i / 2), 0.0);
     }
     mesh.triangles = {{0, 1, 3}, {0, 3, 2}};
     return mesh;
@@ -115,13 +115,13 @@ TEST(SandStates, CoarserLevelsAreMeansOfFinerOnes) {
     const int level = 1 + i % 5;
     const double step_m = tile.cell_m * (1 << (level - 1));
     const auto inner = (SandTiles::kCells >> level) - 1;
-    const Eigen::Vector2d place =
+    const Eigen::Vector2d position =
         tile.corner + 2.0 * step_m *
                           Eigen::Vector2d(1.0 + std::floor(random.Uniform(0.0, inner)),
                                           1.0 + std::floor(random.Uniform(0.0, inner)));
     SandState mean{.light = {}, .tone = 0.0f};
     for (int k = 0; k < 9; ++k) {
-      const Eigen::Vector2d at = place + step_m * Eigen::Vector2d(k % 3 - 1, k / 3 - 1);
+      const Eigen::Vector2d at = position + step_m * Eigen::Vector2d(k % 3 - 1, k / 3 - 1);
       const SandState fine = parts.sand->At(index, at, static_cast<float>(step_m));
       const float weight = kWeights[k % 3] * kWeights[k / 3];
       mean.light.sun += weight * fine.light.sun;
@@ -130,7 +130,7 @@ TEST(SandStates, CoarserLevelsAreMeansOfFinerOnes) {
       mean.tone += weight * fine.tone;
       spread = std::max(spread, std::abs(fine.light.sun - mean.light.sun));
     }
-    ExpectNear(parts.sand->At(index, place, static_cast<float>(2.0 * step_m)), mean, kRounding);
+    ExpectNear(parts.sand->At(index, position, static_cast<float>(2.0 * step_m)), mean, kRounding);
   }
   EXPECT_GT(spread, 0.01f);
 }

@@ -125,8 +125,8 @@ TEST_F(TruthFiles, AntennaIsWhereThePoseAndTheMapSay) {
     for (const std::string& word : rows[i]) value.push_back(std::stod(word));
     const Eigen::Vector3d expected = frames_[i].world_from_left * *setting_.rig.antenna_in_left;
     EXPECT_LT((Eigen::Vector3d(value[1], value[2], value[3]) - expected).norm(), 1e-6);
-    const Geodetic place = FromUtm31(value[4], value[5], value[6]);
-    EXPECT_LT((local_.ToEnu(place) - expected).norm(), 2e-6);
+    const Geodetic position = FromUtm31(value[4], value[5], value[6]);
+    EXPECT_LT((local_.ToEnu(position) - expected).norm(), 2e-6);
   }
 }
 
@@ -199,9 +199,9 @@ TEST_F(TruthFiles, RocksAreThoseOfTheWorld) {
     EXPECT_EQ(ToVector(rock["top"]), boulders[i].top);
     const double off_end_m = centre.x() - std::clamp(centre.x(), 0.0, 2.0);
     EXPECT_NEAR(rock["path_dist"], std::hypot(off_end_m, centre.y()), 1e-9);
-    const Geodetic place = FromUtm31(rock["utm31_easting"], rock["utm31_northing"],
-                                     local_.ToGeodetic(centre).altitude_m);
-    EXPECT_LT((local_.ToEnu(place) - centre).norm(), 1e-6);
+    const Geodetic position = FromUtm31(rock["utm31_easting"], rock["utm31_northing"],
+                                        local_.ToGeodetic(centre).altitude_m);
+    EXPECT_LT((local_.ToEnu(position) - centre).norm(), 1e-6);
   }
 }
 

@@ -40,7 +40,7 @@ std::optional<SurfaceHit> HitOf(const Rigid3& world_from_camera, int u, int v) {
 }
 
 // Meets a placed body?
-std::optional<RayHit> HitOn(const PlacedBody& body, const Eigen::Vector3d& origin,
+std::optional<RayHit> HitOn(const PosedBody& body, const Eigen::Vector3d& origin,
                             const Eigen::Vector3d& direction) {
   const Rigid3 body_from_world = body.world_from_body.Inverse();
   return body.body->scene.Cast({(body_from_world * origin).cast<float>(),
@@ -131,14 +131,14 @@ TEST(ViewRenderer, SkyIsAboveTheHorizonAndInfinitelyFar) {
 TEST(ViewRenderer, BodyHidesWhatIsBehindAndShadesTheGround) {
   const Rigid3 pose = SmallDrive().front();
   const auto person = MakePersonBody(0.25);
-  const PlacedBody placed{person.get(), OnTheSand(3.2, 0.6)};
-  const cv::Mat without = Renderer().Render(pose), with = Renderer().Render(pose, {{placed}});
+  const PosedBody posed{person.get(), OnTheSand(3.2, 0.6)};
+  const cv::Mat without = Renderer().Render(pose), with = Renderer().Render(pose, {{posed}});
   const Eigen::Vector3d sun = SmallWorld().options().SunDirection();
   int hidden = 0, shaded = 0, unchanged = 0;
   for (int v = 1; v < without.rows - 1; ++v) {
     for (int u = 1; u < without.cols - 1; ++u) {
       const auto covers = [&](int x, int y) {
-        const auto on_body = HitOn(placed, pose.translation, RayOf(pose, x, y));
+        const auto on_body = HitOn(posed, pose.translation, RayOf(pose, x, y));
         const auto behind = HitOf(pose, x, y);
         return on_body && (!behind || behind->distance_m > on_body->distance);
       };
@@ -154,7 +154,7 @@ TEST(ViewRenderer, BodyHidesWhatIsBehindAndShadesTheGround) {
         EXPECT_NE(change, 0.0f);
       } else if (!hit) {
         EXPECT_EQ(change, 0.0f);
-      } else if (HitOn(placed, hit->position, sun)) {
+      } else if (HitOn(posed, hit->position, sun)) {
         EXPECT_LE(change, 1e-6f);
         shaded += change < -0.1f;
       } else {
@@ -199,7 +199,7 @@ TEST(ViewRenderer, NearerBodyHidesTheOtherInAnyOrder) {
     return Rigid3{pose.rotation,
                   pose.translation + pose.rotation * Eigen::Vector3d(0.0, 0.0, distance_m)};
   };
-  const PlacedBody near{dark.get(), ahead(1.0)}, far{bright.get(), ahead(1.5)};
+  const PosedBody near{dark.get(), ahead(1.0)}, far{bright.get(), ahead(1.5)};
   const int u = SmallCamera().width / 2, v = SmallCamera().height / 2;
   const cv::Mat one = Renderer().Render(pose, {{near, far}}),
                 other = Renderer().Render(pose, {{far, near}});
@@ -215,8 +215,8 @@ TEST(ViewRenderer, EdgesAreSmoothAndWhereTheLensPutsThem) {
   const auto wall = Wall(0.05, 0.0f);
   const Rigid3 camera_from_wall{
       Eigen::Quaterniond(Eigen::AngleAxisd(0.2, Eigen::Vector3d::UnitZ())), {0.0, 0.0, 1.0}};
-  const PlacedBody placed{wall.get(), pose * camera_from_wall};
-  const cv::Mat with = Renderer().Render(pose, {{placed}}), without = Renderer().Render(pose);
+  const PosedBody posed{wall.get(), pose * camera_from_wall};
+  const cv::Mat with = Renderer().Render(pose, {{posed}}), without = Renderer().Render(pose);
   double sum_px = 0.0, most_px = 0.0;
   int rows = 0, between = 0;
   for (int v = 60; v < 130; ++v) {

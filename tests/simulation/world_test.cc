@@ -16,17 +16,17 @@ namespace {
 const Eigen::Vector3d kDown(0.0, 0.0, -1.0);
 
 // Where a ray from high above meets the sand; nothing where something else lies on it.
-std::optional<SurfaceHit> SandAt(const World& world, const Eigen::Vector2d& place) {
-  const auto hit = world.Cast({place.x(), place.y(), 30.0}, kDown);
-  EXPECT_TRUE(hit) << place.transpose();
+std::optional<SurfaceHit> SandAt(const World& world, const Eigen::Vector2d& position) {
+  const auto hit = world.Cast({position.x(), position.y(), 30.0}, kDown);
+  EXPECT_TRUE(hit) << position.transpose();
   const bool is_sand =
       hit && (hit->kind == SurfaceKind::kSand || hit->kind == SurfaceKind::kCoarseSand);
   return is_sand ? hit : std::nullopt;
 }
 
-double CellAt(const World& world, const Eigen::Vector2d& place) {
+double CellAt(const World& world, const Eigen::Vector2d& position) {
   const SandTiles& tiles = world.parts().tiles;
-  return tiles.tiles()[tiles.TileAt(place)].cell_m;
+  return tiles.tiles()[tiles.TileAt(position)].cell_m;
 }
 
 // How far a facet may lie from the terrain that its corners lie on: slopes stay below 1 in what a
@@ -81,16 +81,16 @@ TEST(World, SandHasNoHolesSeenFromAbove) {
   SeededRandom random;
   for (int i = 0; i < 40000; ++i) {
     const double angle = random.Uniform(0.0, 7.0), out_m = random.Uniform(0.0, 30.0);
-    Eigen::Vector2d place = out_m * Eigen::Vector2d(std::cos(angle), std::sin(angle));
-    const auto& tile = world.parts().tiles.tiles()[world.parts().tiles.TileAt(place)];
+    Eigen::Vector2d position = out_m * Eigen::Vector2d(std::cos(angle), std::sin(angle));
+    const auto& tile = world.parts().tiles.tiles()[world.parts().tiles.TileAt(position)];
     // Half of them along the seams, where cells of different size meet.
-    if (i % 2) place.x() = tile.corner.x() + random.Uniform(-1e-4, 1e-4);
-    const auto hit = SandAt(world, place);
+    if (i % 2) position.x() = tile.corner.x() + random.Uniform(-1e-4, 1e-4);
+    const auto hit = SandAt(world, position);
     if (!hit) continue;
-    const double cell_m = CellAt(world, place);
-    ASSERT_NEAR(hit->position.z(), world.terrain().Height(place.x(), place.y(), cell_m),
+    const double cell_m = CellAt(world, position);
+    ASSERT_NEAR(hit->position.z(), world.terrain().Height(position.x(), position.y(), cell_m),
                 FacetError_m(2.0 * cell_m))
-        << place.transpose();
+        << position.transpose();
   }
 }
 
@@ -108,9 +108,9 @@ TEST(World, SandHasNoHolesAtGrazingAngles) {
     EXPECT_NEAR((hit->position - origin).norm(), hit->distance_m, 1e-9);
     EXPECT_LT(hit->normal.dot(direction), 0.0);
     if (hit->kind != SurfaceKind::kSand && hit->kind != SurfaceKind::kCoarseSand) continue;
-    const Eigen::Vector2d place = hit->position.head<2>();
-    const double cell_m = CellAt(world, place);
-    ASSERT_NEAR(hit->position.z(), world.terrain().Height(place.x(), place.y(), cell_m),
+    const Eigen::Vector2d position = hit->position.head<2>();
+    const double cell_m = CellAt(world, position);
+    ASSERT_NEAR(hit->position.z(), world.terrain().Height(position.x(), position.y(), cell_m),
                 FacetError_m(2.0 * cell_m))
         << direction.transpose();
     far += hit->distance_m > 15.0;
@@ -195,15 +195,15 @@ TEST(World, MarkersLieFlatJustAboveTheSand) {
   for (const Eigen::Vector3d& centre : world.markers()) {
     for (int i = 0; i < 24; ++i) {
       const double out_m = (i % 3) * 1.2 * World::kMarkerRadius_m;
-      const Eigen::Vector3d place =
+      const Eigen::Vector3d position =
           centre + Eigen::Vector3d(out_m * std::cos(i), out_m * std::sin(i), 0.0);
-      const auto hit = world.Cast(place + Eigen::Vector3d(0.0, 0.0, 2.0), kDown);
+      const auto hit = world.Cast(position + Eigen::Vector3d(0.0, 0.0, 2.0), kDown);
       ASSERT_TRUE(hit);
       EXPECT_EQ(hit->kind, SurfaceKind::kMarker);
       if (i % 3 == 0) {
         EXPECT_GE(hit->position.z(), centre.z() - kSmallNoise_m);
       }
-      const double gap_m = centre.z() - world.terrain().Height(place.x(), place.y());
+      const double gap_m = centre.z() - world.terrain().Height(position.x(), position.y());
       EXPECT_GT(gap_m, 0.0);
       EXPECT_LT(gap_m, 0.2);
     }

@@ -94,10 +94,10 @@ SimulatedPart::SimulatedPart(SimulatedWay way)
               }),
       frames_(FramesOf(plan_, motion_, MountOf(rig_))) {}
 
-double SimulatedPart::HeightAboveGround(const Eigen::Vector3d& place) const {
+double SimulatedPart::HeightAboveGround(const Eigen::Vector3d& position) const {
   constexpr double kAbove_m = 3.0;
-  const Eigen::Vector3d from(place.x(), place.y(), kAbove_m);
-  return place.z() - world_.Cast(from, -Eigen::Vector3d::UnitZ()).value().position.z();
+  const Eigen::Vector3d from(position.x(), position.y(), kAbove_m);
+  return position.z() - world_.Cast(from, -Eigen::Vector3d::UnitZ()).value().position.z();
 }
 
 void SimulatedPart::WriteStereoFolder(const fs::path& folder) const {

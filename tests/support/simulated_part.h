@@ -30,7 +30,7 @@ class SimulatedPart {
   const std::vector<DriveFrame>& frames() const { return frames_; }
 
   // How far (m) a place is above the highest surface there, negative below it.
-  double HeightAboveGround(const Eigen::Vector3d& place) const;
+  double HeightAboveGround(const Eigen::Vector3d& position) const;
 
   // Writes a whole stereo folder: left/ and right/ (0000.png and so on, in colour), times.txt,
   // calib.yaml and groundtruth_tum.txt. Throws DataError when a file cannot be written.

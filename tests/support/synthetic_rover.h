@@ -37,7 +37,7 @@ struct SyntheticRover {
   std::vector<Rigid3> world_from_left;  // one per frame
   std::vector<Eigen::Vector3d> points;  // in world
   // One per frame, features in random order. Descriptors belong to the point, exact in every frame
-  // and unlike each other; patches are zero unless asked for. A feature without partner lies
+  // and unlike each other; patches are zero unless asked for. A feature without stereo match lies
   // outside the right image.
   std::vector<FrameFeatures> frames;
   std::vector<std::vector<int>> point_of_feature;  // [frame][feature] -> index into points

@@ -188,7 +188,7 @@ TEST(AssembledTrajectory, SigmasOfAChainOfStepsAreThoseOfDrawnOnes) {
 
 // Frames 3 and 4 share no point with those before: they are known relative to frame 2, which only
 // odometry ties to the rest.
-TEST(AssembledTrajectory, SigmasBehindAnAnchorTakeInThoseOfTheAnchor) {
+TEST(AssembledTrajectory, SigmasBehindADatumFrameTakeInThoseOfTheDatumFrame) {
   Part part(5);
   SeededRandom random;
   part.Adjust(1, part.odometry[1].world_from_left, RandomCovariance(0.004, 0.003, random));
@@ -198,19 +198,19 @@ TEST(AssembledTrajectory, SigmasBehindAnAnchorTakeInThoseOfTheAnchor) {
     part.Adjust(i, pose, RandomCovariance(0.002, 0.001, random), 2);
   }
   const Trajectory trajectory = part.Assemble();
-  Spread of_anchor(trajectory[2].world_from_left), of_last(trajectory[4].world_from_left);
+  Spread of_datum_frame(trajectory[2].world_from_left), of_last(trajectory[4].world_from_left);
   for (int draw = 0; draw < kDraws; ++draw) {
     const Rigid3 before =
         Draw(*part.adjustment.world_from_left[1], part.adjustment.covariances[1], random);
-    const Rigid3 anchor =
+    const Rigid3 datum_frame =
         before *
         DrawStep(part.Step(1, 2).Inverse(), part.odometry[2].step_covariance, random).Inverse();
-    of_anchor.Add(anchor);
+    of_datum_frame.Add(datum_frame);
     const Rigid3 last =
         Draw(*part.adjustment.world_from_left[4], part.adjustment.covariances[4], random);
-    of_last.Add(anchor * part.odometry[2].world_from_left.Inverse() * last);
+    of_last.Add(datum_frame * part.odometry[2].world_from_left.Inverse() * last);
   }
-  of_anchor.ExpectSigmas(trajectory[2].sigmas);
+  of_datum_frame.ExpectSigmas(trajectory[2].sigmas);
   of_last.ExpectSigmas(trajectory[4].sigmas);
 }
 

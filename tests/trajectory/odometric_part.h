@@ -45,14 +45,14 @@ struct Part {
     }
     adjustment.world_from_left.resize(frames);
     adjustment.covariances.resize(frames, Matrix6d::Zero());
-    for (int i = 0; i < frames; ++i) adjustment.anchors.push_back(i);
+    for (int i = 0; i < frames; ++i) adjustment.datum_frames.push_back(i);
     adjustment.world_from_left[0] = odometry[0].world_from_left;
   }
 
-  void Adjust(int frame, const Rigid3& pose, const Matrix6d& covariance, int anchor = 0) {
+  void Adjust(int frame, const Rigid3& pose, const Matrix6d& covariance, int datum_frame = 0) {
     adjustment.world_from_left[frame] = pose;
     adjustment.covariances[frame] = covariance;
-    adjustment.anchors[frame] = anchor;
+    adjustment.datum_frames[frame] = datum_frame;
   }
   // Frames first to end - 1 were not measured; the one behind was, across the gap.
   void Predict(int first, int end) {

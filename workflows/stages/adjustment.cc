@@ -69,7 +69,7 @@ struct Adjuster {
  private:
   AdjustedPart From(const std::vector<std::optional<Rigid3>>& start, const Odometry& steps,
                     const CalibrationVector& correction) const {
-    const auto starting = RelaxPoses(StartingPoses(steps, start), steps, matches.revisits);
+    const auto starting = RelaxPoses(StartingPoses(steps, start), steps, matches.loop_closures);
     const Adjustment adjustment =
         AdjustBundle({matches, dataset.rig, starting, correction}, options);
     return LayInWorld(dataset, steps, adjustment);
@@ -103,13 +103,13 @@ AdjustedPart AdjustInTurn(const Adjuster& adjuster, const InTurn<StartingFrom>& 
 
 AdjustedPart MakeAdjusted(const StageContext&, const Dataset& dataset, const FeatureStore& features,
                           const Odometry& odometry, const Correspondences& matches,
-                          const KeyframeGraph& graph, const PlacedKeyframes& placed,
+                          const KeyframeGraph& graph, const AlignedKeyframes& aligned,
                           const InTurn<StartingFrom>& ways, const AdjustmentOptions& options,
                           const OdometryOptions& odometry_options,
                           const AdjustmentGateOptions& gates) {
   std::vector<std::optional<Rigid3>> mapped(odometry.size());
   for (std::size_t k = 0; k < graph.keyframes.size(); ++k) {
-    mapped[graph.keyframes[k].frame] = placed.world_from_left[k];
+    mapped[graph.keyframes[k].frame] = aligned.world_from_left[k];
   }
   return AdjustInTurn(
       {dataset, features, odometry, matches, std::move(mapped), options, odometry_options, gates},
@@ -118,7 +118,7 @@ AdjustedPart MakeAdjusted(const StageContext&, const Dataset& dataset, const Fea
 
 void PublishAdjusted(Publication& publication, const StageContext&, const AdjustedPart& part,
                      const Dataset& dataset, const FeatureStore&, const Odometry&,
-                     const Correspondences&, const KeyframeGraph&, const PlacedKeyframes&) {
+                     const Correspondences&, const KeyframeGraph&, const AlignedKeyframes&) {
   const Adjustment& adjustment = part.adjustment;
   PublishSparse(MakeSparseOutput(dataset, adjustment, part.world_from_gauge), dataset, publication);
   PublishTrajectory(adjustment.rig, part.trajectory, publication);
@@ -139,7 +139,7 @@ Report DescribeRigChange(const StereoRig& calibrated, const StereoRig& used) {
 
 Report ReportAdjusted(const AdjustedPart& part, const Dataset& dataset, const FeatureStore&,
                       const Odometry&, const Correspondences&, const KeyframeGraph&,
-                      const PlacedKeyframes&) {
+                      const AlignedKeyframes&) {
   Report report = ReportTrajectory(part.trajectory, part.world_up);
   for (const std::string& remark : part.remarks) report["mapping"]["remarks"].push_back(remark);
   report["rig"] = DescribeRigChange(dataset.rig, part.adjustment.rig);

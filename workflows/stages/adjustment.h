@@ -40,7 +40,7 @@ constexpr auto NamesOf(StartingFrom) { return std::array{"mapping", "odometry"};
 
 using AdjustmentStage =
     Stage<AdjustedPart,
-          Takes<Dataset, FeatureStore, Odometry, Correspondences, KeyframeGraph, PlacedKeyframes>,
+          Takes<Dataset, FeatureStore, Odometry, Correspondences, KeyframeGraph, AlignedKeyframes>,
           Reads<InTurn<StartingFrom>, AdjustmentOptions, OdometryOptions, AdjustmentGateOptions>>;
 // Where the images correct the rig, the odometry is done anew with the corrected rig and the
 // adjustment starts from that, since steps that only the odometry knows were measured with the

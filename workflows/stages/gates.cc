@@ -19,13 +19,13 @@ Report ReportGates(const Gates& gates) {
 }
 
 Report JudgeAdjusted(const Dataset& dataset, const FeatureIndex& features,
-                     const KeyframeGraph& graph, const PlacedKeyframes& placed,
+                     const KeyframeGraph& graph, const AlignedKeyframes& aligned,
                      const AdjustedPart& part, const MappingGateOptions& mapping,
                      const PoseGateOptions& poses, const AdjustmentGateOptions& adjustment,
                      const CalibrationGateOptions& calibration) {
   const bool was_mapped = graph.keyframes.size() >= kMinMappedKeyframes;
   return ReportGates(JudgePart({dataset.rig, part.odometry, part.adjustment, part.trajectory,
-                                was_mapped ? &placed : nullptr, features.epipolar_px},
+                                was_mapped ? &aligned : nullptr, features.epipolar_px},
                                {mapping, poses, adjustment, calibration, {}}));
 }
 

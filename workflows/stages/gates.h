@@ -11,7 +11,7 @@
 namespace rigmap {
 
 using AdjustedGatesCheck = Check<
-    Takes<Dataset, FeatureIndex, KeyframeGraph, PlacedKeyframes, AdjustedPart>,
+    Takes<Dataset, FeatureIndex, KeyframeGraph, AlignedKeyframes, AdjustedPart>,
     Reads<MappingGateOptions, PoseGateOptions, AdjustmentGateOptions, CalibrationGateOptions>>;
 AdjustedGatesCheck AdjustedGates();
 

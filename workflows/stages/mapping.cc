@@ -29,7 +29,7 @@ struct Mapper {
     // Poses of the odometry agree with the rig whatever the images say: let these speak.
     if (mapped.method == MappingMethod::kTriangulate) {
       for (SparseModel& model : mapped.models) {
-        model = AdjustFreely(model, input.rig, verification.min_inliers, {});
+        model = AdjustWithoutRig(model, input.rig, verification.min_inliers, {});
       }
     }
     ModelScales scales = MeasureBaselines(mapped.models, input.rig.Baseline(), scale);

@@ -1,7 +1,7 @@
 // The stage `mapping`: COLMAP poses the keyframes. Leaves colmap/models.
 #pragma once
 
-#include "adjustment/free_adjustment.h"
+#include "adjustment/adjust_without_rig.h"
 #include "gates/gates.h"
 #include "mapping/map_keyframes.h"
 #include "matching/matching_options.h"

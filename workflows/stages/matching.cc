@@ -16,8 +16,9 @@ Correspondences MakeMatches(const StageContext&, const Dataset& dataset,
 Report ReportMatches(const Correspondences& found, const Dataset&, const FeatureStore&,
                      const Odometry&) {
   return {{"revisits",
-           {{"pairs", found.revisits.size()},
-            {"by_appearance", std::ranges::count(found.revisits, true, &Revisit::by_appearance)}}}};
+           {{"pairs", found.loop_closures.size()},
+            {"by_appearance",
+             std::ranges::count(found.loop_closures, true, &LoopClosure::by_appearance)}}}};
 }
 
 }  // namespace

@@ -7,34 +7,34 @@
 namespace rigmap {
 namespace {
 
-PlacedKeyframes MakeScale(const StageContext&, const Odometry& odometry, const KeyframeGraph& graph,
-                          const MeasuredModels& measured) {
-  return PlaceModels(measured.mapped.models, measured.scales, OdometricPoses(odometry, graph));
+AlignedKeyframes MakeScale(const StageContext&, const Odometry& odometry,
+                           const KeyframeGraph& graph, const MeasuredModels& measured) {
+  return AlignModels(measured.mapped.models, measured.scales, OdometricPoses(odometry, graph));
 }
 
 // The first model's factor; spread and counts over all models.
-Report DescribeScale(const PlacedKeyframes& placed) {
-  if (placed.models.empty()) return Report::object();
+Report DescribeScale(const AlignedKeyframes& aligned) {
+  if (aligned.models.empty()) return Report::object();
   double spread = 0.0;
   std::size_t used = 0;
   std::vector<int> rejected;
-  for (const PlacedModel& model : placed.models) {
+  for (const AlignedModel& model : aligned.models) {
     spread = std::max(spread, model.scale.relative_spread);
     used += model.scale.pairs_used.size();
     rejected.insert(rejected.end(), model.scale.pairs_rejected.begin(),
                     model.scale.pairs_rejected.end());
   }
-  return {{"metres_per_model_unit", placed.models.front().scale.metres_per_model_unit},
+  return {{"metres_per_model_unit", aligned.models.front().scale.metres_per_model_unit},
           {"relative_spread", spread},
           {"pairs_used", used},
           {"pairs_rejected", rejected}};
 }
 
-Report ReportScale(const PlacedKeyframes& placed, const Odometry&, const KeyframeGraph&,
+Report ReportScale(const AlignedKeyframes& aligned, const Odometry&, const KeyframeGraph&,
                    const MeasuredModels&) {
-  const auto registered = std::ranges::count_if(placed.world_from_left,
+  const auto registered = std::ranges::count_if(aligned.world_from_left,
                                                 [](const auto& pose) { return pose.has_value(); });
-  return {{"frames", {{"registered", registered}}}, {"scale", DescribeScale(placed)}};
+  return {{"frames", {{"registered", registered}}}, {"scale", DescribeScale(aligned)}};
 }
 
 }  // namespace

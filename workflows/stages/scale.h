@@ -6,7 +6,7 @@
 
 namespace rigmap {
 
-using ScaleStage = Stage<PlacedKeyframes, Takes<Odometry, KeyframeGraph, MeasuredModels>, Reads<>>;
+using ScaleStage = Stage<AlignedKeyframes, Takes<Odometry, KeyframeGraph, MeasuredModels>, Reads<>>;
 ScaleStage Scale();
 
 }  // namespace rigmap

@@ -1,4 +1,4 @@
-// Partners of left keypoints in the right image.
+// Stereo matches of left keypoints in the right image.
 #pragma once
 
 #include <opencv2/core.hpp>
@@ -17,7 +17,7 @@ struct StereoImages {
   cv::Mat right_mask;
 };
 
-struct StereoPartners {
+struct StereoMatches {
   std::vector<std::optional<Eigen::Vector2d>> right;  // px, one entry per left keypoint
   std::vector<float> epipolar_errors_px;              // of all that were found, before rejection
 };
@@ -25,9 +25,9 @@ struct StereoPartners {
 // For each left keypoint: windows along its epipolar curve (in a band around it) are correlated
 // with its own, the best place is refined to sub-pixel by affine alignment, and kept if it is
 // unique, leads back to the keypoint, is claimed by no better keypoint and lies on the line.
-StereoPartners FindStereoPartners(const StereoImages& images, const StereoRig& rig,
-                                  const std::vector<Eigen::Vector2d>& left_pixels,
-                                  const FeatureOptions& options);
+StereoMatches FindStereoMatches(const StereoImages& images, const StereoRig& rig,
+                                const std::vector<Eigen::Vector2d>& left_pixels,
+                                const FeatureOptions& options);
 
 // Signed distance (px of the right image) of a stereo match from its epipolar line: the difference
 // of rectified rows. Nothing where a pixel has no ray.

@@ -1,5 +1,5 @@
-// Places that the rig came back to, found by their looks and proved by its geometry, whatever the
-// odometry says.
+// Places that the rig came back to, found by their appearance and proved by its geometry, whatever
+// the odometry says.
 #pragma once
 
 #include <functional>
@@ -12,7 +12,7 @@
 
 namespace rigmap {
 
-struct RevisitSearch {
+struct LoopClosureSearch {
   const Odometry& odometry;
   // Gives frame i's features. Asked for three times and oftener.
   const std::function<FrameFeatures(int frame)>& features;
@@ -22,11 +22,12 @@ struct RevisitSearch {
 };
 
 // For each keyframe up to max_revisits of the earlier ones that look most like it, among those of
-// another stretch of the way (RevisitableBefore), in order of b. Sand looks like sand: each is
+// another stretch of the way (LoopCandidatesBefore), in order of b. Sand looks like sand: each is
 // matched without any prediction and counts only if enough matches agree with one motion of the
-// rig, that motion is known well enough to predict where things are seen, and a revisit by another
-// keyframe nearby tells of the same motion by way of the odometry, or the matches are so many that
-// none need. Holds a few frames and 8 bytes per feature of every keyframe.
-std::vector<Revisit> FindRevisits(const RevisitSearch& search, const MatchingOptions& options);
+// rig, that motion is known well enough to predict where things are seen, and a loop closure by
+// another keyframe nearby tells of the same motion by way of the odometry, or the matches are so
+// many that none need. Holds a few frames and 8 bytes per feature of every keyframe.
+std::vector<LoopClosure> FindLoopClosures(const LoopClosureSearch& search,
+                                          const MatchingOptions& options);
 
 }  // namespace rigmap

@@ -23,7 +23,7 @@ struct BaselineScale {
 };
 
 // A model laid into the world.
-struct PlacedModel {
+struct AlignedModel {
   int model = 0;  // index into the models given
   Sim3 world_from_model;
   BaselineScale scale;
@@ -35,9 +35,9 @@ struct PlacedModel {
   }
 };
 
-struct PlacedKeyframes {
+struct AlignedKeyframes {
   std::vector<std::optional<Rigid3>> world_from_left;  // per keyframe, metres
-  std::vector<PlacedModel> models;
+  std::vector<AlignedModel> models;
 
   template <class Archive>
   void serialize(Archive& archive) {

@@ -12,9 +12,9 @@ namespace rigmap {
 // Chooses frames for what is asked for, by the request's own random numbers, and keeps account of
 // the frames whose images are gone. Only ranges may touch the first and the last two frames. All
 // throw UsageError for a value that is not understood or more than there is room for.
-class FaultPlaces {
+class FaultFrames {
  public:
-  explicit FaultPlaces(int frames);
+  explicit FaultFrames(int frames);
 
   // Frames of which the request takes the images: a range as it is given, or so many frames that
   // have theirs, anywhere or in a row. Throw UsageError where another fault has them.
@@ -30,7 +30,7 @@ class FaultPlaces {
 
  private:
   std::vector<int> Open() const;
-  std::vector<int> Free() const;
+  std::vector<int> Untaken() const;
   std::vector<int> TakeRange(const FaultRequest& request);
   std::vector<int> Take(const FaultRequest& request, const std::vector<int>& frames);
 

@@ -1,4 +1,4 @@
-#include "matching/anchors.h"
+#include "matching/reference_patches.h"
 
 #include <Eigen/LU>
 #include <algorithm>
@@ -28,43 +28,43 @@ PatchAlignmentOptions WindowFor(const PatchWarp& start) {
 
 }  // namespace
 
-AnchoredFrame MakeAnchored(FrameFeatures features) {
-  AnchoredFrame frame;
+FeatureRefinement StartRefinement(FrameFeatures features) {
+  FeatureRefinement frame;
   frame.refined = features.features;
   frame.aligned.assign(features.features.size(), false);
   for (std::size_t i = 0; i < features.features.size(); ++i) {
-    frame.anchors.push_back({features.patches[i], OffsetInPatch(features.features[i].left)});
+    frame.references.push_back({features.patches[i], OffsetInPatch(features.features[i].left)});
   }
   frame.found = std::move(features);
   return frame;
 }
 
 void RestorePositions(const std::vector<Feature>& refined, const std::vector<bool>& aligned,
-                      AnchoredFrame& frame) {
+                      FeatureRefinement& frame) {
   frame.refined = refined;
   frame.aligned = aligned;
   for (std::size_t i = 0; i < refined.size(); ++i) {
     const Eigen::Vector2d& found = frame.found.features[i].left;
-    frame.anchors[i].offset = refined[i].left - (found - OffsetInPatch(found));
+    frame.references[i].offset = refined[i].left - (found - OffsetInPatch(found));
   }
 }
 
-bool AlignWithAnchor(const AnchoredFrame& earlier, int a, AnchoredFrame& later, int b,
-                     const ExpectedView& expected, const MatchingOptions& options) {
-  const Anchor& anchor = earlier.anchors[a];
+bool AlignWithReference(const FeatureRefinement& earlier, int a, FeatureRefinement& later, int b,
+                        const ExpectedView& expected, const MatchingOptions& options) {
+  const ReferencePatch& reference = earlier.references[a];
   const Eigen::Vector2d found = later.found.features[b].left;
   const Eigen::Vector2d patch_origin = found - OffsetInPatch(found) - kPatchCentre.cast<double>();
   PatchWarp start;
-  start.linear = expected.later_from_earlier * anchor.frame_from_patch;
+  start.linear = expected.later_from_earlier * reference.frame_from_patch;
   start.bend = expected.bend;
-  start.position = found - patch_origin - start.linear * anchor.offset;
-  const auto result = AlignPatch(View(anchor.patch), kPatchCentre, View(later.found.patches[b]),
+  start.position = found - patch_origin - start.linear * reference.offset;
+  const auto result = AlignPatch(View(reference.patch), kPatchCentre, View(later.found.patches[b]),
                                  start, WindowFor(start));
   if (!result || result->correlation < options.min_correlation ||
       result->sigma_px > options.max_position_sigma_px) {
     return false;
   }
-  const Eigen::Vector2d moved = patch_origin + result->warp * anchor.offset;
+  const Eigen::Vector2d moved = patch_origin + result->warp * reference.offset;
   Feature& refined = later.refined[b];
   if (refined.right) *refined.right += moved - refined.left;
   refined.left = moved;
@@ -72,10 +72,12 @@ bool AlignWithAnchor(const AnchoredFrame& earlier, int a, AnchoredFrame& later, 
   const double growth = std::sqrt(std::abs(result->warp.linear.determinant()));
   constexpr double kMaxGrowth = 1.5;
   if (growth < kMaxGrowth && growth > 1.0 / kMaxGrowth) {
-    later.anchors[b] = {anchor.patch, anchor.offset, result->warp.linear, anchor.ground};
+    later.references[b] = {reference.patch, reference.offset, result->warp.linear,
+                           reference.ground};
   } else {
-    // The patch of this view, around the refined place, serves those to come.
-    later.anchors[b] = {later.found.patches[b], moved - patch_origin - kPatchCentre.cast<double>()};
+    // The patch of this view, around the refined position, serves those to come.
+    later.references[b] = {later.found.patches[b],
+                           moved - patch_origin - kPatchCentre.cast<double>()};
   }
   return true;
 }

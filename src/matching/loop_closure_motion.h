@@ -1,4 +1,4 @@
-// The motion between two frames of which nothing is known but that they may show the same place.
+// The motion between two frames of which nothing is known but that they may show the same ground.
 #pragma once
 
 #include <optional>
@@ -12,8 +12,8 @@
 
 namespace rigmap {
 
-// A frame as the search for revisits holds it.
-struct PlaceView {
+// A frame as the search for loop closures holds it.
+struct SearchedFrame {
   FrameFeatures features;
   std::vector<std::optional<StereoPoint>> points;  // of each feature
   std::vector<int> groups;                         // of each feature: only equal ones may match
@@ -29,7 +29,7 @@ std::vector<Rigid3> MotionsOfAgreeingMatches(std::span<const FeatureMatch> match
 
 // b_from_a that most matches agree with, without any prediction; nothing if fewer than
 // min_revisit_inliers do. Equal input gives equal output. Some 5 ms for 1500 features.
-std::optional<StereoPose> MotionWithoutPrediction(const PlaceView& a, const PlaceView& b,
+std::optional<StereoPose> MotionWithoutPrediction(const SearchedFrame& a, const SearchedFrame& b,
                                                   const StereoRig& rig,
                                                   const MatchingOptions& options);
 

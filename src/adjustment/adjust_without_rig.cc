@@ -1,4 +1,4 @@
-#include "adjustment/free_adjustment.h"
+#include "adjustment/adjust_without_rig.h"
 
 #include <algorithm>
 #include <map>
@@ -12,7 +12,7 @@ namespace {
 
 // Each image is a frame of its own: frame i is image i of the model, and the right eye stands where
 // the left one does.
-Bundle FreeBundle(const SparseModel& model, const StereoRig& rig) {
+Bundle BundleWithoutRig(const SparseModel& model, const StereoRig& rig) {
   Bundle bundle{.rig = rig};
   bundle.rig.right_from_left = Rigid3();
   std::map<ImageRef, int> frame_of_image;
@@ -51,10 +51,10 @@ std::set<int> SoundKeyframes(const SparseModel& model, const std::vector<int>& c
 
 SparseModel ModelOf(const SparseModel& model, const Bundle& bundle, const std::set<int>& sound) {
   SparseModel result{.cameras = model.cameras};
-  std::vector<std::optional<std::size_t>> place(model.images.size());
+  std::vector<std::optional<std::size_t>> new_index(model.images.size());
   for (std::size_t i = 0; i < model.images.size(); ++i) {
     if (!sound.contains(model.images[i].ref.frame)) continue;
-    place[i] = result.images.size();
+    new_index[i] = result.images.size();
     SparseImage image = model.images[i];
     image.camera_from_model = *bundle.left_from_world[i];
     for (SparseKeypoint& keypoint : image.keypoints) keypoint.point_id.reset();
@@ -63,9 +63,9 @@ SparseModel ModelOf(const SparseModel& model, const Bundle& bundle, const std::s
   for (const AdjustedPoint& adjusted : bundle.points) {
     SparsePoint point{.id = result.points.size() + 1, .x_in_model = adjusted.x};
     for (const PointObservation& o : adjusted.observations) {
-      if (!place[o.frame]) continue;
+      if (!new_index[o.frame]) continue;
       const auto keypoint = static_cast<std::uint32_t>(o.feature);
-      SparseImage& image = result.images[*place[o.frame]];
+      SparseImage& image = result.images[*new_index[o.frame]];
       image.keypoints[keypoint].point_id = point.id;
       point.track.push_back({image.ref, keypoint});
     }
@@ -76,9 +76,9 @@ SparseModel ModelOf(const SparseModel& model, const Bundle& bundle, const std::s
 
 }  // namespace
 
-SparseModel AdjustFreely(const SparseModel& model, const StereoRig& rig, int min_observations,
-                         const AdjustmentOptions& options) {
-  Bundle bundle = FreeBundle(model, rig);
+SparseModel AdjustWithoutRig(const SparseModel& model, const StereoRig& rig, int min_observations,
+                             const AdjustmentOptions& options) {
+  Bundle bundle = BundleWithoutRig(model, rig);
   // Rough first, since the poses it starts from are not good to a pixel.
   for (const bool last : {false, true}) {
     const std::vector<double> errors = ErrorsPx(bundle);

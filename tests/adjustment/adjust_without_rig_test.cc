@@ -1,4 +1,4 @@
-#include "adjustment/free_adjustment.h"
+#include "adjustment/adjust_without_rig.h"
 
 #include <gtest/gtest.h>
 
@@ -10,7 +10,7 @@ namespace rigmap {
 namespace {
 
 // A rover's frames, all keyframes, as a model whose images stand where `poses` put the rig.
-class FreeAdjustmentTest : public AdjustTest {
+class AdjustWithoutRigTest : public AdjustTest {
  protected:
   void SetUp() override { Make({.frames = 8, .points_per_m2 = 12.0, .seed = 5}); }
 
@@ -51,13 +51,14 @@ class FreeAdjustmentTest : public AdjustTest {
   }
 };
 
-TEST_F(FreeAdjustmentTest, TruePosesStayApartAlike) {
-  const SparseModel free = AdjustFreely(ModelOn(rover_.world_from_left), rover_.rig, 15, {});
-  ASSERT_EQ(free.images.size(), 16U);
-  for (const double deviation : Deviations(free)) EXPECT_LT(std::abs(deviation), 0.01);
+TEST_F(AdjustWithoutRigTest, TruePosesStayApartAlike) {
+  const SparseModel adjusted =
+      AdjustWithoutRig(ModelOn(rover_.world_from_left), rover_.rig, 15, {});
+  ASSERT_EQ(adjusted.images.size(), 16U);
+  for (const double deviation : Deviations(adjusted)) EXPECT_LT(std::abs(deviation), 0.01);
 }
 
-TEST_F(FreeAdjustmentTest, WhatARigIsWrongByShowsInItsDistances) {
+TEST_F(AdjustWithoutRigTest, WhatARigIsWrongByShowsInItsDistances) {
   // Stereo matches that belong to a wider rig: half of the frames contradict the other half.
   for (std::size_t f = 4; f < correspondences_.features.size(); ++f) {
     for (Feature& feature : correspondences_.features[f]) {
@@ -67,13 +68,13 @@ TEST_F(FreeAdjustmentTest, WhatARigIsWrongByShowsInItsDistances) {
   const SparseModel model = ModelOn(rover_.world_from_left);
   for (const double deviation : Deviations(model)) EXPECT_LT(std::abs(deviation), 1e-9);
   std::vector<double> sizes;
-  for (const double deviation : Deviations(AdjustFreely(model, rover_.rig, 15, {}))) {
+  for (const double deviation : Deviations(AdjustWithoutRig(model, rover_.rig, 15, {}))) {
     sizes.push_back(std::abs(deviation));
   }
   EXPECT_GT(*std::max_element(sizes.begin(), sizes.end()), 0.03);
 }
 
-TEST_F(FreeAdjustmentTest, KeyframesWithoutObservationsLeaveTheModel) {
+TEST_F(AdjustWithoutRigTest, KeyframesWithoutObservationsLeaveTheModel) {
   SparseModel model = ModelOn(rover_.world_from_left);
   // The fourth keyframe's left image loses its points.
   for (SparsePoint& point : model.points) {
@@ -81,10 +82,10 @@ TEST_F(FreeAdjustmentTest, KeyframesWithoutObservationsLeaveTheModel) {
       return element.image == ImageRef{3, Eye::kLeft};
     });
   }
-  const SparseModel free = AdjustFreely(model, rover_.rig, 15, {});
-  EXPECT_EQ(free.images.size(), 14U);
-  for (const SparseImage& image : free.images) EXPECT_NE(image.ref.frame, 3);
-  for (const SparsePoint& point : free.points) {
+  const SparseModel adjusted = AdjustWithoutRig(model, rover_.rig, 15, {});
+  EXPECT_EQ(adjusted.images.size(), 14U);
+  for (const SparseImage& image : adjusted.images) EXPECT_NE(image.ref.frame, 3);
+  for (const SparsePoint& point : adjusted.points) {
     for (const TrackElement& element : point.track) EXPECT_NE(element.image.frame, 3);
   }
 }

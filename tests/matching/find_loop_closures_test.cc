@@ -1,4 +1,4 @@
-#include "matching/find_revisits.h"
+#include "matching/find_loop_closures.h"
 
 #include <gtest/gtest.h>
 
@@ -42,24 +42,25 @@ Correspondences MatchRover(const SyntheticRover& rover, const Odometry& odometry
       odometry, [&](int frame) { return rover.frames[frame]; }, rover.rig, options);
 }
 
-TEST(FindRevisits, FindsWhatTheOdometryDoesNotKnow) {
+TEST(FindLoopClosures, FindsWhatTheOdometryDoesNotKnow) {
   const SyntheticRover rover = CircleAndOn();
   const Odometry odometry = Drifting(rover);
   MatchingOptions blind;
   blind.revisit_candidates = 0;
-  EXPECT_TRUE(MatchRover(rover, odometry, blind).revisits.empty());
+  EXPECT_TRUE(MatchRover(rover, odometry, blind).loop_closures.empty());
   const Correspondences found = MatchRover(rover, odometry);
-  ASSERT_GE(found.revisits.size(), 3u);
-  for (const Revisit& revisit : found.revisits) {
-    EXPECT_TRUE(revisit.by_appearance);
-    EXPECT_LT(revisit.a, revisit.b);
+  ASSERT_GE(found.loop_closures.size(), 3u);
+  for (const LoopClosure& loop_closure : found.loop_closures) {
+    EXPECT_TRUE(loop_closure.by_appearance);
+    EXPECT_LT(loop_closure.a, loop_closure.b);
     const Rigid3 true_motion =
-        rover.world_from_left[revisit.b].Inverse() * rover.world_from_left[revisit.a];
-    const Rigid3 error = revisit.b_from_a * true_motion.Inverse();
-    EXPECT_LT(error.translation.norm(), 0.02) << revisit.a << " " << revisit.b;
+        rover.world_from_left[loop_closure.b].Inverse() * rover.world_from_left[loop_closure.a];
+    const Rigid3 error = loop_closure.b_from_a * true_motion.Inverse();
+    EXPECT_LT(error.translation.norm(), 0.02) << loop_closure.a << " " << loop_closure.b;
     EXPECT_LT(AngleOf(error.rotation), 0.005);
-    const auto pair = std::ranges::find_if(
-        found.pairs, [&](const FramePair& p) { return p.a == revisit.a && p.b == revisit.b; });
+    const auto pair = std::ranges::find_if(found.pairs, [&](const FramePair& p) {
+      return p.a == loop_closure.a && p.b == loop_closure.b;
+    });
     ASSERT_NE(pair, found.pairs.end());
     int right = 0;
     for (const auto& [a, b] : pair->matches) {
@@ -69,19 +70,19 @@ TEST(FindRevisits, FindsWhatTheOdometryDoesNotKnow) {
   }
 }
 
-TEST(FindRevisits, NoPairIsMatchedTwice) {
+TEST(FindLoopClosures, NoPairIsMatchedTwice) {
   const SyntheticRover rover = CircleAndOn();
-  // Without drift odometry and looks lead to the same places.
+  // Without drift odometry and appearance lead to the same places.
   const Correspondences found =
       MatchRover(rover, OdometryOfKeyframes(rover, rover.world_from_left));
   std::vector<std::pair<int, int>> pairs;
   for (const FramePair& pair : found.pairs) pairs.emplace_back(pair.a, pair.b);
   std::ranges::sort(pairs);
   EXPECT_EQ(std::ranges::adjacent_find(pairs), pairs.end());
-  EXPECT_FALSE(found.revisits.empty());
+  EXPECT_FALSE(found.loop_closures.empty());
 }
 
-TEST(FindRevisits, ALookalikeElsewhereIsNotBelieved) {
+TEST(FindLoopClosures, ASimilarViewElsewhereIsNotBelieved) {
   SeededRandom random;
   SyntheticRover rover = CircleAndOn();
   // The last frames look like others, but all that looks alike lies somewhere else.
@@ -93,12 +94,12 @@ TEST(FindRevisits, ALookalikeElsewhereIsNotBelieved) {
           others[static_cast<std::size_t>(random.Uniform(0.0, static_cast<double>(others.size())))];
     }
   }
-  for (const Revisit& revisit : MatchRover(rover, Drifting(rover)).revisits) {
-    EXPECT_LT(revisit.b, 18) << revisit.a;
+  for (const LoopClosure& loop_closure : MatchRover(rover, Drifting(rover)).loop_closures) {
+    EXPECT_LT(loop_closure.b, 18) << loop_closure.a;
   }
 }
 
-TEST(FindRevisits, AStraightWayHasNone) {
+TEST(FindLoopClosures, AStraightWayHasNone) {
   SeededRandom random;
   const SyntheticRover rover = MakeSyntheticRover({.frames = 20,
                                                    .step_m = 0.4,
@@ -106,10 +107,10 @@ TEST(FindRevisits, AStraightWayHasNone) {
                                                    .points_per_m2 = 8.0,
                                                    .textured_patches = true});
   const Odometry odometry = OdometryOfKeyframes(rover, DriftingPoses(rover, 0.004, 0.002, random));
-  for (const Revisit& revisit : MatchRover(rover, odometry).revisits) {
+  for (const LoopClosure& loop_closure : MatchRover(rover, odometry).loop_closures) {
     const Rigid3 true_motion =
-        rover.world_from_left[revisit.b].Inverse() * rover.world_from_left[revisit.a];
-    EXPECT_LT((revisit.b_from_a * true_motion.Inverse()).translation.norm(), 0.05);
+        rover.world_from_left[loop_closure.b].Inverse() * rover.world_from_left[loop_closure.a];
+    EXPECT_LT((loop_closure.b_from_a * true_motion.Inverse()).translation.norm(), 0.05);
   }
 }
 

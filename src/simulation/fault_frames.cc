@@ -1,4 +1,4 @@
-#include "simulation/fault_places.h"
+#include "simulation/fault_frames.h"
 
 #include <fmt/format.h>
 
@@ -38,20 +38,20 @@ std::vector<int> ChooseFrom(FaultRequest& request, std::vector<int> candidates) 
 
 }  // namespace
 
-FaultPlaces::FaultPlaces(int frames)
+FaultFrames::FaultFrames(int frames)
     : frames_(frames),
       open_frames_(std::max(frames - 2 * kUntouchedFrames, 0)),
       lost_to_(static_cast<std::size_t>(frames)) {}
 
-std::vector<int> FaultPlaces::Open() const { return Numbers(kUntouchedFrames, open_frames_); }
+std::vector<int> FaultFrames::Open() const { return Numbers(kUntouchedFrames, open_frames_); }
 
-std::vector<int> FaultPlaces::Free() const {
-  std::vector<int> free = Open();
-  std::erase_if(free, [&](int i) { return !lost_to_[i].empty(); });
-  return free;
+std::vector<int> FaultFrames::Untaken() const {
+  std::vector<int> untaken = Open();
+  std::erase_if(untaken, [&](int i) { return !lost_to_[i].empty(); });
+  return untaken;
 }
 
-std::vector<int> FaultPlaces::Take(const FaultRequest& request, const std::vector<int>& frames) {
+std::vector<int> FaultFrames::Take(const FaultRequest& request, const std::vector<int>& frames) {
   for (const int i : frames) {
     if (!lost_to_[i].empty() && lost_to_[i] != request.name) {
       throw Complaint(
@@ -63,23 +63,23 @@ std::vector<int> FaultPlaces::Take(const FaultRequest& request, const std::vecto
   return frames;
 }
 
-std::vector<int> FaultPlaces::TakeRange(const FaultRequest& request) {
+std::vector<int> FaultFrames::TakeRange(const FaultRequest& request) {
   const FrameRange range = ParseRange(request, frames_);
   return Take(request, Numbers(range.first, range.end - range.first));
 }
 
-std::vector<int> FaultPlaces::TakeSingles(FaultRequest& request) {
-  return request.IsRange() ? TakeRange(request) : Take(request, ChooseFrom(request, Free()));
+std::vector<int> FaultFrames::TakeSingles(FaultRequest& request) {
+  return request.IsRange() ? TakeRange(request) : Take(request, ChooseFrom(request, Untaken()));
 }
 
-std::vector<int> FaultPlaces::TakeRun(FaultRequest& request) {
+std::vector<int> FaultFrames::TakeRun(FaultRequest& request) {
   if (request.IsRange()) return TakeRange(request);
   const int count = ParseCount(request);
   if (count == 0) return {};
-  const std::vector<int> free = Free();
+  const std::vector<int> untaken = Untaken();
   std::vector<int> starts;
-  for (int k = 0; count <= std::ssize(free) - k; ++k) {
-    if (free[k + count - 1] - free[k] == count - 1) starts.push_back(free[k]);
+  for (int k = 0; count <= std::ssize(untaken) - k; ++k) {
+    if (untaken[k + count - 1] - untaken[k] == count - 1) starts.push_back(untaken[k]);
   }
   if (starts.empty()) {
     throw Complaint(request, fmt::format("a count for which there is room between the other faults "
@@ -90,11 +90,11 @@ std::vector<int> FaultPlaces::TakeRun(FaultRequest& request) {
   return Take(request, Numbers(first, count));
 }
 
-std::vector<int> FaultPlaces::Choose(FaultRequest& request) const {
+std::vector<int> FaultFrames::Choose(FaultRequest& request) const {
   return ChooseFrom(request, Open());
 }
 
-std::vector<FrameRange> FaultPlaces::Spread(FaultRequest& request, double mean_frames) const {
+std::vector<FrameRange> FaultFrames::Spread(FaultRequest& request, double mean_frames) const {
   if (request.IsRange()) return {ParseRange(request, frames_)};
   const int count = ParseCount(request);
   if (count == 0) return {};

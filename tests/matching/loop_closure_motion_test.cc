@@ -1,4 +1,4 @@
-#include "matching/revisit_motion.h"
+#include "matching/loop_closure_motion.h"
 
 #include <gtest/gtest.h>
 
@@ -23,8 +23,8 @@ SyntheticRover TurnedViews() {
                                            -kAhead_m * std::sin(kTurn_rad), kTurn_rad)});
 }
 
-PlaceView ViewOf(const SyntheticRover& rover, int frame) {
-  PlaceView view{.features = rover.frames[frame]};
+SearchedFrame ViewOf(const SyntheticRover& rover, int frame) {
+  SearchedFrame view{.features = rover.frames[frame]};
   view.points = TriangulateFeatures(view.features.features, rover.rig, 0.15);
   view.groups.assign(view.features.features.size(), 0);
   return view;
@@ -34,7 +34,7 @@ Rigid3 TrueMotion(const SyntheticRover& rover) {
   return rover.world_from_left[1].Inverse() * rover.world_from_left[0];
 }
 
-TEST(RevisitMotion, IsFoundWithoutPrediction) {
+TEST(LoopClosureMotion, IsFoundWithoutPrediction) {
   const SyntheticRover rover = TurnedViews();
   const auto motion = MotionWithoutPrediction(ViewOf(rover, 0), ViewOf(rover, 1), rover.rig, {});
   ASSERT_TRUE(motion);
@@ -44,10 +44,10 @@ TEST(RevisitMotion, IsFoundWithoutPrediction) {
   EXPECT_GT(motion->inlier_count, 30);
 }
 
-TEST(RevisitMotion, IsFoundAmongNineWrongMatchesOfTen) {
+TEST(LoopClosureMotion, IsFoundAmongNineWrongMatchesOfTen) {
   SeededRandom random;
   const SyntheticRover rover = TurnedViews();
-  const PlaceView a = ViewOf(rover, 0), b = ViewOf(rover, 1);
+  const SearchedFrame a = ViewOf(rover, 0), b = ViewOf(rover, 1);
   std::vector<FeatureMatch> matches;
   for (const auto& [of_a, of_b] : TrueMatches(rover, 0, 1)) {
     if (a.points[of_a] && b.points[of_b] && matches.size() < 30) matches.push_back({of_a, of_b});
@@ -66,7 +66,7 @@ TEST(RevisitMotion, IsFoundAmongNineWrongMatchesOfTen) {
   EXPECT_TRUE(found);
 }
 
-TEST(RevisitMotion, OtherGroundHasNone) {
+TEST(LoopClosureMotion, OtherGroundHasNone) {
   SeededRandom random;
   SyntheticRover rover = TurnedViews();
   // Descriptors that look like those of the first frame, but at random places.
@@ -76,20 +76,20 @@ TEST(RevisitMotion, OtherGroundHasNone) {
     std::swap(descriptors[i], descriptors[other]);
   }
   EXPECT_FALSE(MotionWithoutPrediction(ViewOf(rover, 0), ViewOf(rover, 1), rover.rig, {}));
-  EXPECT_FALSE(MotionWithoutPrediction(PlaceView{}, ViewOf(rover, 1), rover.rig, {}));
+  EXPECT_FALSE(MotionWithoutPrediction(SearchedFrame{}, ViewOf(rover, 1), rover.rig, {}));
 }
 
-TEST(RevisitMotion, OnlyFeaturesOfAGroupMatch) {
+TEST(LoopClosureMotion, OnlyFeaturesOfAGroupMatch) {
   const SyntheticRover rover = TurnedViews();
-  const PlaceView a = ViewOf(rover, 0);
-  PlaceView b = ViewOf(rover, 1);
+  const SearchedFrame a = ViewOf(rover, 0);
+  SearchedFrame b = ViewOf(rover, 1);
   std::ranges::fill(b.groups, 1);
   EXPECT_FALSE(MotionWithoutPrediction(a, b, rover.rig, {}));
 }
 
-TEST(GroundWarp, IsHowNeighbouringPlacesMove) {
+TEST(GroundWarp, IsHowNeighbouringPointsMove) {
   const SyntheticRover rover = TurnedViews();
-  const PlaceView a = ViewOf(rover, 0);
+  const SearchedFrame a = ViewOf(rover, 0);
   const Camera& camera = rover.rig.left.camera;
   int checked = 0;
   for (const auto& [of_a, of_b] : TrueMatches(rover, 0, 1)) {
@@ -140,7 +140,7 @@ TEST(GroundWarp, BendsAsPlaneAndLensDo) {
 
 TEST(GroundWarp, IsTheSameWhereNothingMoves) {
   const SyntheticRover rover = TurnedViews();
-  const PlaceView a = ViewOf(rover, 0);
+  const SearchedFrame a = ViewOf(rover, 0);
   for (std::size_t i = 0; i < a.points.size(); ++i) {
     if (!a.points[i]) continue;
     const auto ground = GroundAround(a.features.features, a.points, static_cast<int>(i), 0);

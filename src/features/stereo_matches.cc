@@ -1,4 +1,4 @@
-#include "features/stereo_partners.h"
+#include "features/stereo_matches.h"
 
 #include <algorithm>
 #include <cmath>
@@ -31,9 +31,9 @@ GreyView View(const cv::Mat& image) {
 }
 
 // Forward and backward search at reduced resolution, refinement at full.
-class PartnerFinder {
+class StereoMatcher {
  public:
-  PartnerFinder(const StereoImages& images, const StereoRig& rig, const FeatureOptions& options)
+  StereoMatcher(const StereoImages& images, const StereoRig& rig, const FeatureOptions& options)
       : images_(images),
         rig_(rig),
         options_(options),
@@ -43,13 +43,13 @@ class PartnerFinder {
         to_left_(RightSide(), LeftSide(), rig.right_from_left.Inverse(), reduction_) {}
 
   std::optional<Candidate> Find(std::size_t keypoint, const Eigen::Vector2d& left) const {
-    const auto place = to_right_.Find(left, range_);
-    if (!place || place->correlation < options_.min_correlation - kCoarseLoss ||
-        place->correlation - place->runner_up < options_.min_uniqueness ||
-        !LeadsBack(*place, left)) {
+    const auto coarse = to_right_.Find(left, range_);
+    if (!coarse || coarse->correlation < options_.min_correlation - kCoarseLoss ||
+        coarse->correlation - coarse->runner_up < options_.min_uniqueness ||
+        !LeadsBack(*coarse, left)) {
       return std::nullopt;
     }
-    const auto aligned = Align(left, *place);
+    const auto aligned = Align(left, *coarse);
     if (!aligned || aligned->correlation < options_.min_correlation ||
         aligned->sigma_px > kMaxSigmaPx || !Usable(aligned->warp.position)) {
       return std::nullopt;
@@ -76,19 +76,19 @@ class PartnerFinder {
            images_.right_mask.at<std::uint8_t>(y, x) != 0;
   }
 
-  bool LeadsBack(const EpipolarPlace& place, const Eigen::Vector2d& left) const {
+  bool LeadsBack(const EpipolarMatch& coarse, const Eigen::Vector2d& left) const {
     // In the whole band again: a place off its line by some rows has its own line as far off.
-    const auto back = to_left_.Find(place.pixel, range_);
+    const auto back = to_left_.Find(coarse.pixel, range_);
     return back && (back->pixel - left).norm() <= 2.0 * reduction_;
   }
 
   // The warp that a plane facing the camera at the found depth would show, refined.
   std::optional<PatchAlignment> Align(const Eigen::Vector2d& left,
-                                      const EpipolarPlace& place) const {
+                                      const EpipolarMatch& coarse) const {
     const Eigen::Vector2i centre(cvRound(left.x()), cvRound(left.y()));
     const auto transfer = [&](const Eigen::Vector2d& pixel) -> Eigen::Vector2d {
       const auto normalised = Undistort(rig_.left.camera, pixel);
-      return normalised ? to_right_.Transfer(*normalised, place.inverse_depth)
+      return normalised ? to_right_.Transfer(*normalised, coarse.inverse_depth)
                         : Eigen::Vector2d::Constant(std::nan(""));
     };
     PatchWarp start;
@@ -98,7 +98,7 @@ class PartnerFinder {
                                  transfer(left - Eigen::Vector2d::UnitY()));
     if (!start.linear.allFinite()) return std::nullopt;
     const Eigen::Vector2d offset = left - centre.cast<double>();
-    start.position = place.pixel - start.linear * offset;
+    start.position = coarse.pixel - start.linear * offset;
     PatchAlignmentOptions alignment;
     alignment.max_shift_px = 2.0 * reduction_;
     auto aligned = AlignPatch(View(images_.left), centre, View(images_.right), start, alignment);
@@ -144,31 +144,31 @@ std::optional<double> EpipolarErrorPx(const StereoRig& rig, const Eigen::Vector2
   return rig.right.camera.MeanFocal() * (right_row - left_row);
 }
 
-StereoPartners FindStereoPartners(const StereoImages& images, const StereoRig& rig,
-                                  const std::vector<Eigen::Vector2d>& left_pixels,
-                                  const FeatureOptions& options) {
-  const PartnerFinder finder(images, rig, options);
+StereoMatches FindStereoMatches(const StereoImages& images, const StereoRig& rig,
+                                const std::vector<Eigen::Vector2d>& left_pixels,
+                                const FeatureOptions& options) {
+  const StereoMatcher finder(images, rig, options);
   std::vector<Candidate> candidates;
   for (std::size_t i = 0; i < left_pixels.size(); ++i) {
     if (const auto candidate = finder.Find(i, left_pixels[i])) candidates.push_back(*candidate);
   }
   candidates = OneToOne(std::move(candidates), images.right.size());
-  StereoPartners partners;
-  partners.right.resize(left_pixels.size());
+  StereoMatches stereo_matches;
+  stereo_matches.right.resize(left_pixels.size());
   for (const Candidate& candidate : candidates) {
-    partners.epipolar_errors_px.push_back(static_cast<float>(candidate.epipolar_error_px));
+    stereo_matches.epipolar_errors_px.push_back(static_cast<float>(candidate.epipolar_error_px));
   }
-  if (candidates.empty()) return partners;
+  if (candidates.empty()) return stereo_matches;
   constexpr double kMinToleratedPx = 0.5;
   const double tolerated_px =
       std::max(kMinToleratedPx, options.max_epipolar_sigmas * kSigmaOfMedianDeviation *
-                                    MedianAbsolute(partners.epipolar_errors_px));
+                                    MedianAbsolute(stereo_matches.epipolar_errors_px));
   for (const Candidate& candidate : candidates) {
     if (std::abs(candidate.epipolar_error_px) <= tolerated_px) {
-      partners.right[candidate.keypoint] = candidate.right;
+      stereo_matches.right[candidate.keypoint] = candidate.right;
     }
   }
-  return partners;
+  return stereo_matches;
 }
 
 }  // namespace rigmap

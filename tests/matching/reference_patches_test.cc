@@ -1,4 +1,4 @@
-#include "matching/anchors.h"
+#include "matching/reference_patches.h"
 
 #include <gtest/gtest.h>
 
@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kNoise_px = 0.25;
 
-class AnchorsTest : public testing::Test {
+class ReferencePatchesTest : public testing::Test {
  protected:
   Eigen::Vector2d TruePixel(int frame, int feature) const {
     const Eigen::Vector3d& x = rover_.points[rover_.point_of_feature[frame][feature]];
@@ -25,8 +25,8 @@ class AnchorsTest : public testing::Test {
   double Growth(int frame_a, int a, int frame_b, int b) const {
     return Depth(frame_a, a) / Depth(frame_b, b);
   }
-  // How far the refined place in b is from the spot of ground that a's feature as found shows.
-  double Mismatch_px(int frame_a, int a, int frame_b, int b, const AnchoredFrame& later) const {
+  // How far the refined position in b is from the spot of ground that a's feature as found shows.
+  double Mismatch_px(int frame_a, int a, int frame_b, int b, const FeatureRefinement& later) const {
     const Eigen::Vector2d off_a = rover_.frames[frame_a].features[a].left - TruePixel(frame_a, a);
     const Eigen::Vector2d off_b = later.refined[b].left - TruePixel(frame_b, b);
     return (off_b - Growth(frame_a, a, frame_b, b) * off_a).norm();
@@ -47,31 +47,31 @@ double Median(std::vector<double> values) {
   return values.at(values.size() / 2);
 }
 
-TEST_F(AnchorsTest, EveryFeatureStartsAsItsOwnAnchor) {
-  const AnchoredFrame frame = MakeAnchored(rover_.frames[0]);
-  ASSERT_EQ(frame.anchors.size(), frame.found.features.size());
-  for (std::size_t i = 0; i < frame.anchors.size(); ++i) {
+TEST_F(ReferencePatchesTest, EveryFeatureStartsAsItsOwnReference) {
+  const FeatureRefinement frame = StartRefinement(rover_.frames[0]);
+  ASSERT_EQ(frame.references.size(), frame.found.features.size());
+  for (std::size_t i = 0; i < frame.references.size(); ++i) {
     EXPECT_FALSE(frame.aligned[i]);
-    EXPECT_EQ(frame.anchors[i].patch, frame.found.patches[i]);
+    EXPECT_EQ(frame.references[i].patch, frame.found.patches[i]);
     EXPECT_EQ(frame.refined[i].left, frame.found.features[i].left);
-    EXPECT_LE(frame.anchors[i].offset.cwiseAbs().maxCoeff(), 0.5);
+    EXPECT_LE(frame.references[i].offset.cwiseAbs().maxCoeff(), 0.5);
   }
 }
 
-TEST_F(AnchorsTest, AlignedFeaturesMeanTheSameSpot) {
-  const AnchoredFrame earlier = MakeAnchored(rover_.frames[0]);
-  AnchoredFrame later = MakeAnchored(rover_.frames[1]);
+TEST_F(ReferencePatchesTest, AlignedFeaturesMeanTheSameSpot) {
+  const FeatureRefinement earlier = StartRefinement(rover_.frames[0]);
+  FeatureRefinement later = StartRefinement(rover_.frames[1]);
   std::vector<double> before_px, after_px;
   int tried = 0;
   for (const auto& [a, b] : TrueMatches(rover_, 0, 1)) {
     ++tried;
     const Feature found = later.refined[b];
     const double before = Mismatch_px(0, a, 1, b, later);
-    if (!AlignWithAnchor(earlier, a, later, b, Grown(Growth(0, a, 1, b)), options_)) continue;
+    if (!AlignWithReference(earlier, a, later, b, Grown(Growth(0, a, 1, b)), options_)) continue;
     EXPECT_TRUE(later.aligned[b]);
     before_px.push_back(before);
     after_px.push_back(Mismatch_px(0, a, 1, b, later));
-    // The partner went along.
+    // The stereo match went along.
     ASSERT_EQ(later.refined[b].right.has_value(), found.right.has_value());
     if (!found.right) continue;
     const Eigen::Vector2d moved = later.refined[b].left - found.left;
@@ -82,39 +82,40 @@ TEST_F(AnchorsTest, AlignedFeaturesMeanTheSameSpot) {
   EXPECT_LT(Median(after_px), 0.03);
 }
 
-TEST_F(AnchorsTest, AnchorsAreHandedOn) {
-  const AnchoredFrame first = MakeAnchored(rover_.frames[0]);
-  AnchoredFrame second = MakeAnchored(rover_.frames[1]), third = MakeAnchored(rover_.frames[2]);
+TEST_F(ReferencePatchesTest, ReferencesAreHandedOn) {
+  const FeatureRefinement first = StartRefinement(rover_.frames[0]);
+  FeatureRefinement second = StartRefinement(rover_.frames[1]),
+                    third = StartRefinement(rover_.frames[2]);
   std::vector<int> first_of_second(second.refined.size(), -1);
   for (const auto& [a, b] : TrueMatches(rover_, 0, 1)) {
-    if (AlignWithAnchor(first, a, second, b, Grown(Growth(0, a, 1, b)), options_))
+    if (AlignWithReference(first, a, second, b, Grown(Growth(0, a, 1, b)), options_))
       first_of_second[b] = a;
   }
   std::vector<double> mismatches_px;
   for (const auto& [b, c] : TrueMatches(rover_, 1, 2)) {
     const int a = first_of_second[b];
-    if (a < 0 || !AlignWithAnchor(second, b, third, c, Grown(Growth(1, b, 2, c)), options_))
+    if (a < 0 || !AlignWithReference(second, b, third, c, Grown(Growth(1, b, 2, c)), options_))
       continue;
     mismatches_px.push_back(Mismatch_px(0, a, 2, c, third));
-    EXPECT_EQ(third.anchors[c].patch, first.found.patches[a]);
+    EXPECT_EQ(third.references[c].patch, first.found.patches[a]);
   }
   EXPECT_GT(mismatches_px.size(), 60u);
   EXPECT_LT(Median(mismatches_px), 0.03);
 }
 
-TEST_F(AnchorsTest, PlacesThatGrewByThreeQuartersAreAligned) {
+TEST_F(ReferencePatchesTest, PatchesThatGrewByThreeQuartersAreAligned) {
   rover_ = MakeSyntheticRover(
       {.points_per_m2 = 24.0, .pixel_sigma = kNoise_px, .textured_patches = true},
       {RoverPose(0.0, 0.0, 0.0), RoverPose(0.8, 0.0, 0.0)});
-  const AnchoredFrame earlier = MakeAnchored(rover_.frames[0]);
-  AnchoredFrame later = MakeAnchored(rover_.frames[1]);
+  const FeatureRefinement earlier = StartRefinement(rover_.frames[0]);
+  FeatureRefinement later = StartRefinement(rover_.frames[1]);
   int tried = 0;
   std::vector<double> after_px;
   for (const auto& [a, b] : TrueMatches(rover_, 0, 1)) {
     const double growth = Growth(0, a, 1, b);
     if (growth < 1.4 || growth > 1.75) continue;
     ++tried;
-    if (!AlignWithAnchor(earlier, a, later, b, Grown(growth), options_)) continue;
+    if (!AlignWithReference(earlier, a, later, b, Grown(growth), options_)) continue;
     after_px.push_back(Mismatch_px(0, a, 1, b, later));
   }
   EXPECT_GT(tried, 20);
@@ -122,9 +123,9 @@ TEST_F(AnchorsTest, PlacesThatGrewByThreeQuartersAreAligned) {
   EXPECT_LT(Median(after_px), 0.05);
 }
 
-TEST_F(AnchorsTest, PatchesThatDisagreeChangeNothing) {
-  const AnchoredFrame earlier = MakeAnchored(rover_.frames[0]);
-  AnchoredFrame later = MakeAnchored(rover_.frames[1]);
+TEST_F(ReferencePatchesTest, PatchesThatDisagreeChangeNothing) {
+  const FeatureRefinement earlier = StartRefinement(rover_.frames[0]);
+  FeatureRefinement later = StartRefinement(rover_.frames[1]);
   int tried = 0, accepted = 0;
   for (std::size_t i = 0; i < 200; ++i) {
     const int a = static_cast<int>(i % earlier.refined.size());
@@ -132,30 +133,30 @@ TEST_F(AnchorsTest, PatchesThatDisagreeChangeNothing) {
     if (rover_.point_of_feature[0][a] == rover_.point_of_feature[1][b] || later.aligned[b])
       continue;
     ++tried;
-    if (AlignWithAnchor(earlier, a, later, b, Grown(1.0), options_)) {
+    if (AlignWithReference(earlier, a, later, b, Grown(1.0), options_)) {
       ++accepted;
       continue;
     }
     EXPECT_EQ(later.refined[b].left, later.found.features[b].left);
     EXPECT_EQ(later.refined[b].right, later.found.features[b].right);
-    EXPECT_EQ(later.anchors[b].patch, later.found.patches[b]);
+    EXPECT_EQ(later.references[b].patch, later.found.patches[b]);
     EXPECT_FALSE(later.aligned[b]);
   }
   EXPECT_GT(tried, 100);
   EXPECT_LE(accepted, tried / 50);
 }
 
-TEST_F(AnchorsTest, AViewThatShrankByHalfAnchorsAnew) {
+TEST_F(ReferencePatchesTest, AViewThatShrankByHalfBecomesTheReference) {
   // The same points from 2 m behind: the far ones keep their size, the near ones do not.
   rover_ = MakeSyntheticRover({.points_per_m2 = 12.0, .textured_patches = true},
                               {RoverPose(2.0, 0.0, 0.0), RoverPose(0.0, 0.0, 0.0)});
-  const AnchoredFrame earlier = MakeAnchored(rover_.frames[0]);
-  AnchoredFrame later = MakeAnchored(rover_.frames[1]);
+  const FeatureRefinement earlier = StartRefinement(rover_.frames[0]);
+  FeatureRefinement later = StartRefinement(rover_.frames[1]);
   int renewed = 0, handed_on = 0;
   for (const auto& [a, b] : TrueMatches(rover_, 0, 1)) {
     const double growth = Growth(0, a, 1, b);
-    if (!AlignWithAnchor(earlier, a, later, b, Grown(growth), options_)) continue;
-    const bool anew = later.anchors[b].patch == later.found.patches[b];
+    if (!AlignWithReference(earlier, a, later, b, Grown(growth), options_)) continue;
+    const bool anew = later.references[b].patch == later.found.patches[b];
     if (growth < 0.6) {
       EXPECT_TRUE(anew) << growth;
     }
@@ -164,11 +165,11 @@ TEST_F(AnchorsTest, AViewThatShrankByHalfAnchorsAnew) {
     }
     ++(anew ? renewed : handed_on);
     if (!anew) continue;
-    // The new anchor stands for the refined place.
+    // The new reference patch stands for the refined position.
     const Eigen::Vector2d& found = later.found.features[b].left;
     const Eigen::Vector2d centre(std::round(found.x()), std::round(found.y()));
-    EXPECT_LT((centre + later.anchors[b].offset - later.refined[b].left).norm(), 1e-9);
-    EXPECT_EQ(later.anchors[b].frame_from_patch, Eigen::Matrix2d::Identity());
+    EXPECT_LT((centre + later.references[b].offset - later.refined[b].left).norm(), 1e-9);
+    EXPECT_EQ(later.references[b].frame_from_patch, Eigen::Matrix2d::Identity());
   }
   EXPECT_GT(renewed, 3);
   EXPECT_GT(handed_on, 3);

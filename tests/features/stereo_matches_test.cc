@@ -1,4 +1,4 @@
-#include "features/stereo_partners.h"
+#include "features/stereo_matches.h"
 
 #include <gtest/gtest.h>
 
@@ -33,7 +33,7 @@ cv::Mat Disturbed(const cv::Mat& image, double sigma, int seed) {
   return sum;
 }
 
-class StereoPartnersTest : public testing::Test {
+class StereoMatchesTest : public testing::Test {
  protected:
   static void SetUpTestSuite() { shot_ = new SimulatedShot(LocCamRig(), 11); }
   static void TearDownTestSuite() { delete shot_; }
@@ -65,21 +65,21 @@ class StereoPartnersTest : public testing::Test {
   inline static SimulatedShot* shot_ = nullptr;
 };
 
-TEST_F(StereoPartnersTest, AreRightToAFewHundredthsOfAPixel) {
+TEST_F(StereoMatchesTest, AreRightToAFewHundredthsOfAPixel) {
   const auto left = SomePixels(800);
   // At half resolution (the default for this size) and at full.
   for (const double limit_mpx : {0.6, 1.0}) {
     FeatureOptions options;
     options.half_resolution_above_mpx = limit_mpx;
-    const StereoPartners partners = FindStereoPartners(Images(), rig_, left, options);
-    ASSERT_EQ(partners.right.size(), left.size());
+    const StereoMatches stereo_matches = FindStereoMatches(Images(), rig_, left, options);
+    ASSERT_EQ(stereo_matches.right.size(), left.size());
     std::vector<double> disparity_errors_px, row_errors_px;
     int possible = 0, wild = 0;
     for (std::size_t i = 0; i < left.size(); ++i) {
       const Eigen::Vector2d truth = Truth(left[i]);
       possible += truth.x() > 20.0 && truth.y() > 20.0 && truth.y() < 748.0 ? 1 : 0;
-      if (!partners.right[i]) continue;
-      const Eigen::Vector2d error = *partners.right[i] - truth;
+      if (!stereo_matches.right[i]) continue;
+      const Eigen::Vector2d error = *stereo_matches.right[i] - truth;
       disparity_errors_px.push_back(std::abs(error.x()));
       row_errors_px.push_back(std::abs(error.y()));
       wild += error.norm() > 0.5 ? 1 : 0;
@@ -91,40 +91,40 @@ TEST_F(StereoPartnersTest, AreRightToAFewHundredthsOfAPixel) {
   }
 }
 
-TEST_F(StereoPartnersTest, AreOneToOne) {
+TEST_F(StereoMatchesTest, AreOneToOne) {
   auto left = SomePixels(300);
-  // Many claim the same place.
+  // Many claim the same position.
   for (int i = 0; i < 100; ++i) left.push_back(left[i] + random_.Noise(0.05).head<2>());
-  const StereoPartners partners = FindStereoPartners(Images(), rig_, left, {});
-  std::vector<std::pair<int, int>> places;
-  for (const auto& right : partners.right) {
-    if (right) places.emplace_back(cvRound(right->x()), cvRound(right->y()));
+  const StereoMatches stereo_matches = FindStereoMatches(Images(), rig_, left, {});
+  std::vector<std::pair<int, int>> pixels;
+  for (const auto& right : stereo_matches.right) {
+    if (right) pixels.emplace_back(cvRound(right->x()), cvRound(right->y()));
   }
-  EXPECT_GT(places.size(), 150u);
-  std::sort(places.begin(), places.end());
-  EXPECT_EQ(std::adjacent_find(places.begin(), places.end()), places.end());
-  EXPECT_GE(partners.epipolar_errors_px.size(), places.size());
+  EXPECT_GT(pixels.size(), 150u);
+  std::sort(pixels.begin(), pixels.end());
+  EXPECT_EQ(std::adjacent_find(pixels.begin(), pixels.end()), pixels.end());
+  EXPECT_GE(stereo_matches.epipolar_errors_px.size(), pixels.size());
 }
 
-TEST_F(StereoPartnersTest, AreFoundWhereRowsAreOff) {
+TEST_F(StereoMatchesTest, AreFoundWhereRowsAreOff) {
   const auto left = SomePixels(500);
   FeatureOptions options;
   options.half_resolution_above_mpx = 1.0;  // at full resolution the back search is the narrowest
-  const StereoPartners straight = FindStereoPartners(Images(), rig_, left, options);
-  const auto count = [](const StereoPartners& partners) {
-    return std::count_if(partners.right.begin(), partners.right.end(),
+  const StereoMatches straight = FindStereoMatches(Images(), rig_, left, options);
+  const auto count = [](const StereoMatches& stereo_matches) {
+    return std::count_if(stereo_matches.right.begin(), stereo_matches.right.end(),
                          [](const auto& right) { return right.has_value(); });
   };
   for (const double rows : {2.0, -2.0, 3.0}) {
     // The calibration is off, not the images.
     const StereoRig wrong = WithRowsOff(rig_, rows);
-    const StereoPartners found = FindStereoPartners(Images(), wrong, left, options);
+    const StereoMatches found = FindStereoMatches(Images(), wrong, left, options);
     EXPECT_GT(count(found), 0.85 * count(straight)) << rows;
     std::vector<double> errors_px, offs_px;
     for (float error : found.epipolar_errors_px) errors_px.push_back(error);
     EXPECT_NEAR(std::abs(Median(errors_px)), std::abs(rows), 0.2) << rows;
     // A turn moves rows near the upper and lower border by up to a third more; beyond that, and a
-    // tenth of a pixel for how well places are found, are wrong partners.
+    // tenth of a pixel for how well places are found, are wrong stereo matches.
     const double allowed_px = std::abs(rows) / 3.0 + 0.1;
     int wild = 0;
     for (std::size_t i = 0; i < left.size(); ++i) {
@@ -139,12 +139,12 @@ TEST_F(StereoPartnersTest, AreFoundWhereRowsAreOff) {
   }
 }
 
-TEST_F(StereoPartnersTest, RightMaskIsHonoured) {
+TEST_F(StereoMatchesTest, RightMaskIsHonoured) {
   StereoImages images = Images();
   images.right_mask.colRange(400, 700).setTo(0);
-  const StereoPartners partners = FindStereoPartners(images, rig_, SomePixels(300), {});
+  const StereoMatches stereo_matches = FindStereoMatches(images, rig_, SomePixels(300), {});
   int found = 0;
-  for (const auto& right : partners.right) {
+  for (const auto& right : stereo_matches.right) {
     if (!right) continue;
     ++found;
     EXPECT_FALSE(right->x() > 399.5 && right->x() < 699.5) << right->transpose();
@@ -152,22 +152,22 @@ TEST_F(StereoPartnersTest, RightMaskIsHonoured) {
   EXPECT_GT(found, 80);
 }
 
-TEST_F(StereoPartnersTest, NoneOnFlatGrey) {
+TEST_F(StereoMatchesTest, NoneOnFlatGrey) {
   StereoImages flat = Images();
   flat.left.setTo(120);
   flat.right.setTo(120);
   const auto left = SomePixels(200);
-  const StereoPartners nothing = FindStereoPartners(flat, rig_, left, {});
+  const StereoMatches nothing = FindStereoMatches(flat, rig_, left, {});
   ASSERT_EQ(nothing.right.size(), left.size());
   for (const auto& right : nothing.right) EXPECT_FALSE(right);
   EXPECT_TRUE(nothing.epipolar_errors_px.empty());
   // Nor where only noise is left of them.
   flat.left = Disturbed(flat.left, 3.0, 3);
   flat.right = Disturbed(flat.right, 3.0, 4);
-  for (const auto& right : FindStereoPartners(flat, rig_, left, {}).right) EXPECT_FALSE(right);
+  for (const auto& right : FindStereoMatches(flat, rig_, left, {}).right) EXPECT_FALSE(right);
 }
 
-TEST_F(StereoPartnersTest, NoneWhereTheTextureRepeats) {
+TEST_F(StereoMatchesTest, NoneWhereTheTextureRepeats) {
   StereoImages images = Images();
   for (cv::Mat* image : {&images.left, &images.right}) {
     for (int y = 0; y < image->rows; ++y) {
@@ -177,16 +177,16 @@ TEST_F(StereoPartnersTest, NoneWhereTheTextureRepeats) {
       }
     }
   }
-  const StereoPartners partners = FindStereoPartners(images, rig_, SomePixels(200), {});
-  const auto found = std::count_if(partners.right.begin(), partners.right.end(),
+  const StereoMatches stereo_matches = FindStereoMatches(images, rig_, SomePixels(200), {});
+  const auto found = std::count_if(stereo_matches.right.begin(), stereo_matches.right.end(),
                                    [](const auto& right) { return right.has_value(); });
   EXPECT_LE(found, 4);
 }
 
-TEST_F(StereoPartnersTest, SameImagesSamePartners) {
+TEST_F(StereoMatchesTest, SameImagesSameStereoMatches) {
   const auto left = SomePixels(100);
-  const StereoPartners first = FindStereoPartners(Images(), rig_, left, {});
-  const StereoPartners second = FindStereoPartners(Images(), rig_, left, {});
+  const StereoMatches first = FindStereoMatches(Images(), rig_, left, {});
+  const StereoMatches second = FindStereoMatches(Images(), rig_, left, {});
   EXPECT_EQ(first.right, second.right);
   EXPECT_EQ(first.epipolar_errors_px, second.epipolar_errors_px);
 }

@@ -12,7 +12,7 @@ namespace rigmap {
 // after this, their spread says how well its images agree with those poses. Drops observations
 // beyond the outlier limit, points that less than two images show, and both images of a keyframe
 // of which one shows fewer than `min_observations` points.
-SparseModel AdjustFreely(const SparseModel& model, const StereoRig& rig, int min_observations,
-                         const AdjustmentOptions& options);
+SparseModel AdjustWithoutRig(const SparseModel& model, const StereoRig& rig, int min_observations,
+                             const AdjustmentOptions& options);
 
 }  // namespace rigmap

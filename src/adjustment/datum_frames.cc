@@ -1,4 +1,4 @@
-#include "adjustment/anchor_frames.h"
+#include "adjustment/datum_frames.h"
 
 #include <algorithm>
 #include <map>
@@ -30,7 +30,7 @@ std::map<std::pair<int, int>, int> SharedPoints(const std::vector<AdjustedPoint>
 
 }  // namespace
 
-std::vector<int> AnchorFrames(const std::vector<AdjustedPoint>& points, std::size_t frames) {
+std::vector<int> DatumFrames(const std::vector<AdjustedPoint>& points, std::size_t frames) {
   DisjointSets groups_of_frames(frames);
   for (bool joined = true; joined;) {
     joined = false;
@@ -41,9 +41,10 @@ std::vector<int> AnchorFrames(const std::vector<AdjustedPoint>& points, std::siz
       joined = true;
     }
   }
-  std::vector<int> anchors(frames);
-  for (std::size_t i = 0; i < frames; ++i) anchors[i] = groups_of_frames.Root(static_cast<int>(i));
-  return anchors;
+  std::vector<int> datum_frames(frames);
+  for (std::size_t i = 0; i < frames; ++i)
+    datum_frames[i] = groups_of_frames.Root(static_cast<int>(i));
+  return datum_frames;
 }
 
 }  // namespace rigmap

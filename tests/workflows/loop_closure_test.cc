@@ -36,7 +36,7 @@ Odometry Worsened(const Odometry& odometry, const Drift& drift) {
 }
 
 // A loop as far as its odometry: simulated, extracted and tracked once for all tests.
-class RevisitTest : public testing::Test {
+class LoopClosureTest : public testing::Test {
  protected:
   static void SetUpTestSuite() {
     const TemporaryFolder folder;
@@ -62,7 +62,7 @@ class RevisitTest : public testing::Test {
 
   // Root mean square distance (m) of the adjusted positions from the true ones, after alignment.
   static double AdjustedError_m(const Odometry& odometry, const Correspondences& matches) {
-    const auto start = RelaxPoses(StartingPoses(odometry, {}), odometry, matches.revisits);
+    const auto start = RelaxPoses(StartingPoses(odometry, {}), odometry, matches.loop_closures);
     const Adjustment adjusted = AdjustBundle({matches, loop_->rig, start}, {});
     std::vector<Eigen::Vector3d> found, truth;
     for (std::size_t i = 0; i < loop_->truth.size(); ++i) {
@@ -79,9 +79,9 @@ class RevisitTest : public testing::Test {
     return std::sqrt(square / static_cast<double>(found.size()));
   }
 
-  static double MotionError_m(const Revisit& revisit) {
-    const Rigid3 b_from_a = loop_->truth[revisit.b].Inverse() * loop_->truth[revisit.a];
-    return (revisit.b_from_a.translation - b_from_a.translation).norm();
+  static double MotionError_m(const LoopClosure& loop_closure) {
+    const Rigid3 b_from_a = loop_->truth[loop_closure.b].Inverse() * loop_->truth[loop_closure.a];
+    return (loop_closure.b_from_a.translation - b_from_a.translation).norm();
   }
 
   struct Loop {
@@ -93,12 +93,12 @@ class RevisitTest : public testing::Test {
   static Loop* loop_;
 };
 
-RevisitTest::Loop* RevisitTest::loop_ = nullptr;
+LoopClosureTest::Loop* LoopClosureTest::loop_ = nullptr;
 
-TEST_F(RevisitTest, IsFoundByItsLooksAndClosesTheLoop) {
+TEST_F(LoopClosureTest, IsFoundByItsAppearanceAndClosesTheLoop) {
   const Correspondences known = MatchFrames(loop_->odometry, Load, loop_->rig, {});
   const double without_drift_m = AdjustedError_m(loop_->odometry, known);
-  ASSERT_FALSE(known.revisits.empty());
+  ASSERT_FALSE(known.loop_closures.empty());
 
   // Three tenths of a degree and 3 % in each step: past the place by more than matches are looked
   // for.
@@ -106,14 +106,14 @@ TEST_F(RevisitTest, IsFoundByItsLooksAndClosesTheLoop) {
   MatchingOptions options;
   options.max_search_radius_px = 20.0;
   options.revisit_candidates = 0;
-  EXPECT_TRUE(MatchFrames(drifting, Load, loop_->rig, options).revisits.empty());
+  EXPECT_TRUE(MatchFrames(drifting, Load, loop_->rig, options).loop_closures.empty());
 
   options.revisit_candidates = 3;
   const Correspondences found = MatchFrames(drifting, Load, loop_->rig, options);
-  EXPECT_GE(found.revisits.size(), 5u);
-  for (const Revisit& revisit : found.revisits) {
-    EXPECT_TRUE(revisit.by_appearance);
-    EXPECT_LT(MotionError_m(revisit), 0.02) << revisit.a << " " << revisit.b;
+  EXPECT_GE(found.loop_closures.size(), 5u);
+  for (const LoopClosure& loop_closure : found.loop_closures) {
+    EXPECT_TRUE(loop_closure.by_appearance);
+    EXPECT_LT(MotionError_m(loop_closure), 0.02) << loop_closure.a << " " << loop_closure.b;
   }
   const double closed_m = AdjustedError_m(drifting, found);
   EXPECT_LT(closed_m, 1.2 * without_drift_m + 1e-4);

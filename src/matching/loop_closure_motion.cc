@@ -1,4 +1,4 @@
-#include "matching/revisit_motion.h"
+#include "matching/loop_closure_motion.h"
 
 #include <Eigen/LU>
 #include <algorithm>
@@ -97,7 +97,7 @@ std::vector<Rigid3> MotionsOfAgreeingMatches(std::span<const FeatureMatch> match
   return motions;
 }
 
-std::optional<StereoPose> MotionWithoutPrediction(const PlaceView& a, const PlaceView& b,
+std::optional<StereoPose> MotionWithoutPrediction(const SearchedFrame& a, const SearchedFrame& b,
                                                   const StereoRig& rig,
                                                   const MatchingOptions& options) {
   const auto matches = MatchFeatures(a.features, b.features, a.groups, b.groups, {});

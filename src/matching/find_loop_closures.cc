@@ -1,4 +1,4 @@
-#include "matching/find_revisits.h"
+#include "matching/find_loop_closures.h"
 
 #include <spdlog/spdlog.h>
 
@@ -8,9 +8,9 @@
 #include <map>
 
 #include "core/statistics.h"
+#include "matching/loop_closure_motion.h"
 #include "matching/pair_selection.h"
 #include "matching/place_index.h"
-#include "matching/revisit_motion.h"
 #include "matching/vocabulary.h"
 
 namespace rigmap {
@@ -22,19 +22,19 @@ struct Proposal {
   StereoPose motion;
 };
 
-class RevisitFinder {
+class LoopClosureFinder {
  public:
-  RevisitFinder(const RevisitSearch& search, const MatchingOptions& options)
+  LoopClosureFinder(const LoopClosureSearch& search, const MatchingOptions& options)
       : search_(search),
         options_(options),
         keyframes_(Keyframes(search.odometry)),
-        revisitable_(RevisitableBefore(keyframes_, search.odometry, search.sample_points,
-                                       search.rig, options)) {}
+        loop_candidates_(LoopCandidatesBefore(keyframes_, search.odometry, search.sample_points,
+                                              search.rig, options)) {}
 
-  std::vector<Revisit> Find() const {
-    if (std::ranges::all_of(revisitable_, [](int count) { return count == 0; })) return {};
+  std::vector<LoopClosure> Find() const {
+    if (std::ranges::all_of(loop_candidates_, [](int count) { return count == 0; })) return {};
     const std::vector<Proposal> proposals = Propose();
-    std::vector<Revisit> found;
+    std::vector<LoopClosure> found;
     for (auto first = proposals.begin(); first != proposals.end();) {
       const auto end = std::find_if(first, proposals.end(),
                                     [&](const Proposal& p) { return p.later != first->later; });
@@ -47,7 +47,7 @@ class RevisitFinder {
  private:
   // Of the proposals for one keyframe those with the most matches that are proved.
   void AddBest(std::vector<Proposal> own, const std::vector<Proposal>& all,
-               std::vector<Revisit>& found) const {
+               std::vector<LoopClosure>& found) const {
     std::erase_if(own, [&](const Proposal& p) { return !Proved(p, all); });
     std::ranges::stable_sort(own, std::ranges::greater(),
                              [](const Proposal& p) { return p.motion.inlier_count; });
@@ -84,10 +84,10 @@ class RevisitFinder {
   }
 
   // Earlier keyframes that look most like k, best first.
-  std::vector<int> MostAlike(const PlaceIndex& places, int k) const {
-    const std::vector<float> likeness = places.Likeness(k);
+  std::vector<int> MostAlike(const PlaceIndex& index, int k) const {
+    const std::vector<float> likeness = index.Likeness(k);
     std::vector<std::pair<float, int>> ranked;
-    for (int earlier = 0; earlier < revisitable_[k]; ++earlier) {
+    for (int earlier = 0; earlier < loop_candidates_[k]; ++earlier) {
       ranked.emplace_back(-likeness[earlier], earlier);
     }
     const auto count =
@@ -99,8 +99,8 @@ class RevisitFinder {
     return best;
   }
 
-  PlaceView View(int k, const Vocabulary& vocabulary) const {
-    PlaceView view{.features = search_.features(keyframes_[k])};
+  SearchedFrame View(int k, const Vocabulary& vocabulary) const {
+    SearchedFrame view{.features = search_.features(keyframes_[k])};
     view.points =
         TriangulateFeatures(view.features.features, search_.rig, options_.disparity_noise_px);
     for (const Descriptor& descriptor : view.features.descriptors) {
@@ -112,16 +112,16 @@ class RevisitFinder {
   // In order of the later keyframe.
   std::vector<Proposal> Propose() const {
     const Vocabulary vocabulary = Learn();
-    const PlaceIndex places = IndexPlaces(vocabulary);
+    const PlaceIndex index = IndexPlaces(vocabulary);
     std::vector<Proposal> proposals;
     // Of the earlier keyframes those that were tried last: the next keyframe looks like them again.
-    std::map<int, PlaceView> held;
+    std::map<int, SearchedFrame> held;
     for (int k = 0; k < static_cast<int>(keyframes_.size()); ++k) {
-      const std::vector<int> alike = MostAlike(places, k);
+      const std::vector<int> alike = MostAlike(index, k);
       if (alike.empty()) continue;
       std::erase_if(held,
                     [&](const auto& entry) { return !std::ranges::count(alike, entry.first); });
-      const PlaceView view = View(k, vocabulary);
+      const SearchedFrame view = View(k, vocabulary);
       for (const int earlier : alike) {
         if (!held.contains(earlier)) held.emplace(earlier, View(earlier, vocabulary));
         const auto motion = MotionWithoutPrediction(held.at(earlier), view, search_.rig, options_);
@@ -178,17 +178,18 @@ class RevisitFinder {
     return search_.odometry[to].world_from_left.Inverse() * search_.odometry[from].world_from_left;
   }
 
-  const RevisitSearch& search_;
+  const LoopClosureSearch& search_;
   const MatchingOptions& options_;
   std::vector<int> keyframes_;
-  std::vector<int> revisitable_;  // how many of the first keyframes, for each
+  std::vector<int> loop_candidates_;  // how many of the first keyframes, for each
 };
 
 }  // namespace
 
-std::vector<Revisit> FindRevisits(const RevisitSearch& search, const MatchingOptions& options) {
+std::vector<LoopClosure> FindLoopClosures(const LoopClosureSearch& search,
+                                          const MatchingOptions& options) {
   if (options.revisit_candidates == 0) return {};
-  return RevisitFinder(search, options).Find();
+  return LoopClosureFinder(search, options).Find();
 }
 
 }  // namespace rigmap
