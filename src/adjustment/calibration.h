@@ -13,9 +13,9 @@ namespace rigmap {
 StereoRig Corrected(const StereoRig& rig, const CalibrationVector& correction);
 
 // The step that rotation and common focal factor would take together, all else held. Its sigmas are
-// grown as those of poses are, because residuals of one track go together; so does what a wrong rig
-// leaves over. How well the path could determine them at all, the sigmas of independent residuals
-// say.
+// inflated as those of poses are, because residuals of one track are correlated; errors that a
+// wrong rig leaves in the residuals are correlated as well. How well the path could determine the
+// step at all, the sigmas of independent residuals say.
 struct CalibrationStep {
   Eigen::Vector3d rig_rotation, rig_rotation_sigma, rig_rotation_sigma_if_independent;
   double log_focal, log_focal_sigma, log_focal_sigma_if_independent;

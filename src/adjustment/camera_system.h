@@ -10,16 +10,16 @@
 namespace rigmap {
 
 struct CameraSystemResult {
-  // Per frame, the frame whose pose was fixed for it: the first of those that it hangs together
-  // with (DatumFrames); itself for the fixed frames and those without points.
+  // Per frame, its datum frame, whose pose was held (DatumFrames); itself for the frames held and
+  // those without points.
   std::vector<int> datum_frames;
   // Of world_from_left relative to the frame's datum frame, in the axes of the adjustment's world:
   // translation (m), then rotation (rad). Zero for datum frames; 1e6 on the diagonal where the
   // system is singular. As if all observations were independent.
   std::vector<Matrix6d> covariances;
-  // Per frame, by how much sigmas grow, along and about the left camera's axes, because residuals
-  // of one track go together (ScoreClusters): at least 1. Noise that all observations of a frame
-  // share leaves no trace in the residuals and is not in it.
+  // Covariance inflation per frame: the factor on its sigmas, along and about the left camera's
+  // axes, because residuals of one track are correlated (ScoreClusters). At least 1. Noise that all
+  // observations of a frame share leaves no trace in the residuals and is not in it.
   std::vector<Vector6d> inflations;
   // What the part says of the calibration that was held; nothing where the system is singular.
   std::optional<CalibrationEquations> calibration;

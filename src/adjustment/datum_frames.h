@@ -1,4 +1,4 @@
-// Which frames hang together.
+// The datum frame of each group of connected frames.
 #pragma once
 
 #include <vector>
@@ -7,9 +7,9 @@
 
 namespace rigmap {
 
-// For every frame the first of those that it hangs together with: groups of frames that share ten
-// points or more, directly or by way of others, are one. Between two groups nothing but their
-// starting poses tells how they lie. A frame without points is its own.
+// For every frame its datum frame, whose pose the adjustment holds: the first frame of its group.
+// Frames, and groups of frames, that share ten points or more are one group. Two groups lie to each
+// other as their starting poses say: no points tell. A frame without points is a group of its own.
 std::vector<int> DatumFrames(const std::vector<AdjustedPoint>& points, std::size_t frames);
 
 }  // namespace rigmap

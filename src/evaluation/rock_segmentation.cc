@@ -75,7 +75,7 @@ RockCells FindRockCells(const HeightGrid& grid, const GroundLevel& ground, doubl
   return found;
 }
 
-// `start` and all that hang together with it; marks them as taken.
+// `start` and all that are connected to it; marks them as taken.
 std::vector<CellIndex> TakeConnected(RockCells& cells, RockCells::iterator start) {
   std::vector<CellIndex> connected{start->first};
   start->second.taken = true;

@@ -23,7 +23,7 @@ struct StereoMatches {
 };
 
 // For each left keypoint: windows along its epipolar curve (in a band around it) are correlated
-// with its own, the best place is refined to sub-pixel by affine alignment, and kept if it is
+// with its own, the best position is refined to sub-pixel by affine alignment, and kept if it is
 // unique, leads back to the keypoint, is claimed by no better keypoint and lies on the line.
 StereoMatches FindStereoMatches(const StereoImages& images, const StereoRig& rig,
                                 const std::vector<Eigen::Vector2d>& left_pixels,

@@ -61,8 +61,9 @@ void JudgeCorrection(const GateInputs& inputs, const CalibrationGateOptions& opt
                          "how far the rig was corrected, in sigmas of what a calibration errs by"));
 }
 
-// The sigma that may excuse a correction. One that has grown beyond the limit has not grown by the
-// noise of tracks, but by what a wrong rig leaves over.
+// The sigma that a correction is compared with. An inflated sigma beyond the limit does not come
+// from the noise of tracks, but from errors of a wrong rig: then the one without inflation is
+// taken.
 double Excusing(double sigma, double sigma_if_independent, double limit) {
   return sigma <= limit ? sigma : sigma_if_independent;
 }

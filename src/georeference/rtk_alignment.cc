@@ -91,7 +91,7 @@ RtkFit FitMotionAndClock(const PathFitter& fitter, const Geodetic& origin,
   return fit;
 }
 
-// Of the coordinates' medians, so that no wild fix carries it away; nothing without RTK fixes.
+// The medians of the coordinates, so that an outlier does no harm; nothing without RTK fixes.
 std::optional<Geodetic> MiddleOf(std::span<const GnssFix> fixes) {
   std::vector<double> latitudes_deg, longitudes_deg, altitudes_m;
   for (const GnssFix& fix : fixes) {

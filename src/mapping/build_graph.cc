@@ -9,7 +9,7 @@ namespace rigmap {
 namespace {
 
 // Each view of a ground point is matched with so many views after it. COLMAP's cost is linear in
-// matches, and a place seen fifty times needs no match of its first view with its last.
+// matches, and a point seen fifty times needs no match of its first view with its last.
 constexpr std::size_t kTrackNeighbours = 4;
 
 // Tracks with their frames replaced by keyframe indices; frames that are none are passed over.

@@ -19,7 +19,7 @@ struct MappingPaths {
   std::filesystem::path log;
 };
 
-// Seeds the mapper with a metric model of the keyframes that hang together best and lets it go on;
+// Seeds the mapper with a metric model of the keyframes that share most tracks and lets it go on;
 // where it stops with keyframes left, seeds anew there. When COLMAP makes no model, seeded or not,
 // the odometric poses are triangulated instead, and a remark says so. Throws ToolError when COLMAP
 // cannot be run.

@@ -1,5 +1,4 @@
-// Places that the rig came back to, found by their appearance and proved by its geometry, whatever
-// the odometry says.
+// Loop closures found by appearance and proved by the geometry of the rig, without the odometry.
 #pragma once
 
 #include <functional>

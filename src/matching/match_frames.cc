@@ -46,7 +46,7 @@ class FrameMatcher {
         window_(features, rig, options.disparity_noise_px,
                 static_cast<std::size_t>(options.neighbours + 2 * options.max_revisits + 2)) {}
 
-  // `returned`: the place was out of view in between.
+  // `returned`: the ground was out of view in between.
   void Match(const CandidatePair& pair, bool returned) {
     const Rigid3 predicted = pair.b_from_a.value_or(OdometricMotion(odometry_, pair.a, pair.b));
     const VerifiedPair verified =
@@ -72,8 +72,8 @@ class FrameMatcher {
   }
 
  private:
-  // Moves features of b onto their place in a where they have not been aligned yet; drops matches
-  // whose patches disagree. A feature already aligned with another view is taken as it is.
+  // Aligns features of b with those of a where they have not been aligned yet; drops matches whose
+  // patches disagree. A feature already aligned with another view is taken as it is.
   FramePair Refine(const CandidatePair& pair, const std::vector<FeatureMatch>& matches,
                    const Rigid3& b_from_a, bool returned) {
     // Align the frame that was not matched with others before, which is the one that is no keyframe
@@ -131,7 +131,8 @@ class FrameMatcher {
   Correspondences result_;
 };
 
-// For each frame the first that is too late for it to be a place that it came back to.
+// For each frame the first frame of the same stretch of the way: pairs within it are no loop
+// closures.
 std::vector<int> FirstOfSameStretch(const Odometry& odometry,
                                     const std::vector<std::vector<Eigen::Vector3d>>& sample_points,
                                     const StereoRig& rig, const MatchingOptions& options) {

@@ -9,7 +9,7 @@
 
 namespace rigmap {
 
-// Matches each selected pair near the places that odometry predicts, keeps what agrees with one
+// Matches each selected pair near the positions that odometry predicts, keeps what agrees with one
 // motion of the rig (stereo points of one frame against both eyes of the other), and refines the
 // positions by patch alignment with the first view of each ground point.
 Correspondences MatchFrames(const Odometry& odometry, const FeatureSource& features,

@@ -1,4 +1,4 @@
-// Positions of features, refined so that all views of a ground point mean the same spot of ground.
+// Positions of features, refined so that all features of a track mean the same point.
 #pragma once
 
 #include <optional>
@@ -12,10 +12,10 @@
 namespace rigmap {
 
 // The view of a ground point that its later views are aligned with: a grey patch, and the warp from
-// it to the frame at hand.
+// it to the frame that holds it now.
 struct ReferencePatch {
   Patch patch{};
-  Eigen::Vector2d offset = Eigen::Vector2d::Zero();  // of the place from the patch's centre
+  Eigen::Vector2d offset = Eigen::Vector2d::Zero();  // of the point from the patch's centre
   Eigen::Matrix2d frame_from_patch = Eigen::Matrix2d::Identity();
   std::optional<GroundPatch> ground;  // that the patch shows, where it has been asked for
 };

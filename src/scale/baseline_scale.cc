@@ -33,8 +33,8 @@ std::map<int, double> EyeDistances(const SparseModel& model) {
   return distances;
 }
 
-// Where a model hangs: its own keyframe, and the one placed already that is nearest to it in time
-// (nothing while none is).
+// What a model is aligned by: a keyframe of its own, and the keyframe nearest to it in time among
+// those aligned already (nothing while there is none).
 struct Hook {
   int keyframe = 0;
   std::optional<int> aligned;
@@ -52,7 +52,7 @@ Hook NearestHook(const std::vector<int>& of_model, const std::set<int>& aligned)
   return best;
 }
 
-// The similarity of this scale that lays a camera of the model on its place in the world.
+// The similarity of this scale that gives a camera of the model its pose in the world.
 Sim3 LayOn(const Rigid3& world_from_left, const Rigid3& model_from_left, double scale) {
   const Sim3 world{scale, world_from_left.rotation, world_from_left.translation};
   const Rigid3 left_from_model = model_from_left.Inverse();
@@ -106,13 +106,13 @@ AlignedKeyframes AlignModels(const std::vector<SparseModel>& models, const Model
                              const std::vector<Rigid3>& odometric) {
   AlignedKeyframes aligned;
   aligned.world_from_left.resize(odometric.size());
-  std::set<int> sound;  // keyframes placed whose baseline agrees: others do not carry a model
+  std::set<int> sound;  // aligned keyframes whose baseline agrees
   for (std::size_t m = 0; m < models.size(); ++m) {
     const auto& scale = scales[m];
     if (!scale) continue;
     const std::map<int, Rigid3> poses = LeftPoses(models[m]);
     const Hook hook = NearestHook(scale->pairs_used, sound);
-    // With nothing to hang on the odometric pose itself serves.
+    // While no model is aligned, the odometric pose itself is taken.
     const Rigid3 world_from_left =
         hook.aligned ? *aligned.world_from_left[*hook.aligned] *
                            (odometric[*hook.aligned].Inverse() * odometric[hook.keyframe])

@@ -23,9 +23,9 @@ ModelScales MeasureBaselines(const std::vector<SparseModel>& models, double base
 // Keyframes that models with a scale pose, each counted once.
 std::size_t CountPosed(const std::vector<SparseModel>& models, const ModelScales& scales);
 
-// Scales each model and joins them: the first is laid on the odometric pose of its earliest
-// keyframe, each further one hangs on the nearest keyframe already placed, by the odometry between
-// the two. Only keyframes whose pair was used carry a model. A model without a scale is left out.
+// Scales each model and joins them: the first is aligned with the odometric pose of its earliest
+// keyframe, each further one with the nearest keyframe already aligned, by the odometry between the
+// two. Only keyframes whose pair was used serve for that. A model without a scale is left out.
 // `odometric` holds world_from_left per keyframe. Where models share a keyframe the earlier model's
 // pose stays.
 AlignedKeyframes AlignModels(const std::vector<SparseModel>& models, const ModelScales& scales,

@@ -36,11 +36,11 @@ struct AdjustedPoint {
 struct Adjustment {
   // Metres, in the adjustment's own gauge; nothing for frames that were not adjusted.
   std::vector<std::optional<Rigid3>> world_from_left;
-  // Per frame, the frame whose pose was held for it: the first of those that it hangs together
-  // with. Itself for the frames held and those without points.
+  // Per frame, its datum frame, whose pose was held: the first frame of its connected group. Itself
+  // for the frames held and those without points.
   std::vector<int> datum_frames;
   // Of world_from_left relative to the frame's datum frame, about the gauge's axes: translation
-  // (m), then rotation (rad). Grown by what residuals that go together and a corrected rig add.
+  // (m), then rotation (rad). Inflated for correlated residuals and for a corrected rig.
   std::vector<Matrix6d> covariances;
   std::vector<AdjustedPoint> points;
   StereoRig rig;  // as calibrated, unless the part corrected it

@@ -21,8 +21,8 @@ struct FramePair {
   }
 };
 
-// Two frames, a < b, that show one place which was out of view in between, and the motion that
-// their matches agree with.
+// Two frames, a < b, that show the same ground, out of view in between, and the motion that their
+// matches agree with.
 struct LoopClosure {
   int a = 0, b = 0;
   Rigid3 b_from_a;                         // metres
@@ -63,7 +63,7 @@ struct FeatureRef {
   }
 };
 
-// A place and the features that show it, at most one per frame, in order of frames.
+// The features that show one point, at most one per frame, in order of frames.
 using Track = std::vector<FeatureRef>;
 
 }  // namespace rigmap

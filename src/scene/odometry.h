@@ -9,11 +9,11 @@ namespace rigmap {
 
 struct OdometryFrame {
   StampNs stamp_ns = 0;
-  // Metres; world = left camera axes of the frame that all others hang on, the first that shows
-  // enough to pose others against.
+  // Metres; world = left camera axes of the first frame that shows enough to pose others against.
   Rigid3 world_from_left;
-  // The frame whose stereo points this one was posed against (its own index for the one that all
-  // hang on); a predicted frame hangs on the frame before it, or after it if it lies before that.
+  // The frame whose stereo points this one was posed against (its own index for the first posed
+  // one); of a predicted frame the frame before it, or the one after it if it lies before the first
+  // posed one.
   int reference = 0;
   // Of left_from_reference's motion, as a left perturbation: translation (m), rotation (rad).
   Matrix6d step_covariance = Matrix6d::Zero();

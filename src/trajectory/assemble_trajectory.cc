@@ -13,8 +13,8 @@ struct Uncertain {
   Matrix6d covariance = Matrix6d::Zero();
 };
 
-// What the covariance at one place (about gauge axes) is worth at another that is fixed to it:
-// turning the start moves the end by the lever arm between them.
+// The covariance of a pose (about gauge axes) propagated to another pose that is rigidly connected
+// to it: a rotation of the first moves the second by the lever arm between them.
 Matrix6d Carry(const Uncertain& from, const Rigid3& gauge_from_left) {
   Matrix6d carry = Matrix6d::Identity();
   carry.topRightCorner<3, 3>() =
@@ -32,7 +32,7 @@ Matrix6d Chain(const Uncertain& reference, const Rigid3& gauge_from_left,
   return Carry(reference, gauge_from_left) + turn * step_covariance * turn.transpose();
 }
 
-// Indices of all frames, each after the one it hangs on: from the first posed one to the last, then
+// Indices of all frames, each after its reference frame: from the first posed one to the last, then
 // from there back to the start.
 std::vector<int> FromFirstPosed(const Odometry& odometry) {
   const int first = FirstPosedFrame(odometry), count = static_cast<int>(odometry.size());
@@ -42,7 +42,7 @@ std::vector<int> FromFirstPosed(const Odometry& odometry) {
   return order;
 }
 
-// Of frame i, from the adjustment or from the frame it hangs on, whose pose is known.
+// Of frame i, from the adjustment or from its reference frame, whose pose is known.
 Uncertain PoseOf(int i, const Odometry& odometry, const Adjustment& adjustment,
                  const std::vector<Uncertain>& known) {
   const OdometryFrame& frame = odometry[i];

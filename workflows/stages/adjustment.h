@@ -22,7 +22,7 @@ namespace rigmap {
 
 struct AdjustedPart {
   Adjustment adjustment;  // in its own gauge
-  Odometry odometry;      // which frames that are not adjusted hang on; of the rig as corrected
+  Odometry odometry;      // gives frames that are not adjusted their poses; by the corrected rig
   Rigid3 world_from_gauge;
   WorldUp world_up = WorldUp::kCamera;
   Trajectory trajectory;             // every paired frame, in the world
