@@ -7,10 +7,10 @@
 #include <cmath>
 #include <limits>
 
-#include "adjustment/adjusted_points.h"
-#include "adjustment/bundle.h"
 #include "adjustment/calibration.h"
-#include "adjustment/camera_system.h"
+#include "adjustment/internal/adjusted_points.h"
+#include "adjustment/internal/bundle.h"
+#include "adjustment/internal/camera_system.h"
 #include "core/statistics.h"
 #include "correspondence/tracks.h"
 

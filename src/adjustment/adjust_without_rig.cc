@@ -4,7 +4,7 @@
 #include <map>
 #include <set>
 
-#include "adjustment/bundle.h"
+#include "adjustment/internal/bundle.h"
 #include "core/statistics.h"
 
 namespace rigmap {

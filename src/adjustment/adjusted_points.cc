@@ -1,4 +1,4 @@
-#include "adjustment/adjusted_points.h"
+#include "adjustment/internal/adjusted_points.h"
 
 #include <limits>
 

@@ -1,4 +1,4 @@
-#include "adjustment/bundle.h"
+#include "adjustment/internal/bundle.h"
 
 #include <ceres/ceres.h>
 #include <glog/logging.h>
@@ -6,10 +6,10 @@
 
 #include <limits>
 
-#include "adjustment/adjusted_points.h"
-#include "adjustment/datum_frames.h"
+#include "adjustment/internal/adjusted_points.h"
+#include "adjustment/internal/datum_frames.h"
+#include "adjustment/internal/reprojection_cost.h"
 #include "adjustment/reprojection.h"
-#include "adjustment/reprojection_cost.h"
 
 namespace rigmap {
 namespace {

@@ -1,4 +1,4 @@
-#include "adjustment/camera_system.h"
+#include "adjustment/internal/camera_system.h"
 
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
@@ -7,10 +7,10 @@
 #include <map>
 
 #include "adjustment/calibration.h"
-#include "adjustment/datum_frames.h"
+#include "adjustment/internal/datum_frames.h"
+#include "adjustment/internal/score_clusters.h"
+#include "adjustment/internal/selected_inverse.h"
 #include "adjustment/reprojection.h"
-#include "adjustment/score_clusters.h"
-#include "adjustment/selected_inverse.h"
 
 namespace rigmap {
 namespace {

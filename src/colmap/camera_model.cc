@@ -1,4 +1,4 @@
-#include "colmap/camera_model.h"
+#include "colmap/internal/camera_model.h"
 
 #include <fmt/format.h>
 

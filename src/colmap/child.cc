@@ -1,4 +1,4 @@
-#include "colmap/child.h"
+#include "colmap/internal/child.h"
 
 #include <fcntl.h>
 #include <fmt/format.h>

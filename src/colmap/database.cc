@@ -10,9 +10,9 @@
 #include <map>
 #include <set>
 
-#include "colmap/camera_model.h"
-#include "colmap/image_ids.h"
-#include "colmap/process.h"
+#include "colmap/internal/camera_model.h"
+#include "colmap/internal/image_ids.h"
+#include "colmap/internal/process.h"
 #include "core/error.h"
 
 namespace rigmap {

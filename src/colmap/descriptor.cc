@@ -1,11 +1,11 @@
-#include "colmap/descriptor.h"
+#include "colmap/internal/descriptor.h"
 
 #include <fcntl.h>
 #include <unistd.h>
 
 #include <array>
 
-#include "colmap/process_group.h"
+#include "colmap/internal/process_group.h"
 
 namespace rigmap {
 

@@ -5,7 +5,7 @@
 #include <cstdlib>
 #include <regex>
 
-#include "colmap/process.h"
+#include "colmap/internal/process.h"
 #include "core/error.h"
 
 namespace rigmap {

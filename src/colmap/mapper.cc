@@ -6,8 +6,8 @@
 #include <limits>
 #include <regex>
 
+#include "colmap/internal/process.h"
 #include "colmap/model_io.h"
-#include "colmap/process.h"
 #include "core/error.h"
 
 namespace rigmap {

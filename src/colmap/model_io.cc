@@ -12,8 +12,8 @@
 #include <type_traits>
 #include <unordered_map>
 
-#include "colmap/camera_model.h"
-#include "colmap/image_ids.h"
+#include "colmap/internal/camera_model.h"
+#include "colmap/internal/image_ids.h"
 #include "core/error.h"
 #include "core/file.h"
 

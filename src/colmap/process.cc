@@ -1,4 +1,4 @@
-#include "colmap/process.h"
+#include "colmap/internal/process.h"
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -10,7 +10,7 @@
 #include <chrono>
 #include <cstring>
 
-#include "colmap/child.h"
+#include "colmap/internal/child.h"
 #include "core/error.h"
 
 namespace rigmap {

@@ -1,4 +1,4 @@
-#include "colmap/process_group.h"
+#include "colmap/internal/process_group.h"
 
 #include <fmt/format.h>
 #include <signal.h>

@@ -1,4 +1,4 @@
-#include "dataset/image_file.h"
+#include "dataset/internal/image_file.h"
 
 #include <fmt/format.h>
 

@@ -8,7 +8,7 @@
 #include <optional>
 #include <string_view>
 
-#include "dataset/text_row.h"
+#include "dataset/internal/text_row.h"
 
 namespace rigmap {
 namespace {

@@ -1,4 +1,4 @@
-#include "dataset/katwijk.h"
+#include "dataset/internal/katwijk.h"
 
 #include <fmt/format.h>
 
@@ -11,7 +11,7 @@
 #include <tuple>
 
 #include "core/error.h"
-#include "dataset/image_file.h"
+#include "dataset/internal/image_file.h"
 #include "imaging/image.h"
 
 namespace rigmap {

@@ -7,12 +7,12 @@
 #include <vector>
 
 #include "core/error.h"
-#include "dataset/gnss_file.h"
 #include "dataset/inclinometer.h"
-#include "dataset/katwijk.h"
+#include "dataset/internal/gnss_file.h"
+#include "dataset/internal/katwijk.h"
+#include "dataset/internal/rock_file.h"
+#include "dataset/internal/stereo_folder.h"
 #include "dataset/rig_file.h"
-#include "dataset/rock_file.h"
-#include "dataset/stereo_folder.h"
 #include "imaging/image.h"
 
 namespace rigmap {

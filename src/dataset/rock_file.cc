@@ -1,4 +1,4 @@
-#include "dataset/rock_file.h"
+#include "dataset/internal/rock_file.h"
 
 #include <fmt/format.h>
 
@@ -10,7 +10,7 @@
 
 #include "core/error.h"
 #include "core/file.h"
-#include "dataset/text_row.h"
+#include "dataset/internal/text_row.h"
 #include "georeference/utm.h"
 
 namespace rigmap {

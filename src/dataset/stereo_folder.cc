@@ -1,4 +1,4 @@
-#include "dataset/stereo_folder.h"
+#include "dataset/internal/stereo_folder.h"
 
 #include <fmt/format.h>
 
@@ -8,7 +8,7 @@
 
 #include "core/error.h"
 #include "core/file.h"
-#include "dataset/image_file.h"
+#include "dataset/internal/image_file.h"
 #include "imaging/image.h"
 
 namespace rigmap {

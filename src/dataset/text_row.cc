@@ -1,4 +1,4 @@
-#include "dataset/text_row.h"
+#include "dataset/internal/text_row.h"
 
 #include <algorithm>
 #include <charconv>

@@ -2,8 +2,8 @@
 
 #include <opencv2/imgproc.hpp>
 
-#include "dense/disparity.h"
-#include "dense/refinement.h"
+#include "dense/internal/disparity.h"
+#include "dense/internal/refinement.h"
 #include "imaging/image.h"
 
 namespace rigmap {

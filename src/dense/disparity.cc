@@ -1,4 +1,4 @@
-#include "dense/disparity.h"
+#include "dense/internal/disparity.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "dense/refinement.h"
+#include "dense/internal/refinement.h"
 
 #include <algorithm>
 #include <cmath>

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "core/statistics.h"
-#include "evaluation/rounded.h"
+#include "evaluation/internal/rounded.h"
 
 namespace rigmap {
 namespace {

@@ -1,7 +1,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "evaluation/rounded.h"
+#include "evaluation/internal/rounded.h"
 #include "evaluation/trajectory_metrics.h"
 
 namespace rigmap {

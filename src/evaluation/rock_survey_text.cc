@@ -3,8 +3,8 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
+#include "evaluation/internal/rounded.h"
 #include "evaluation/rock_survey.h"
-#include "evaluation/rounded.h"
 
 namespace rigmap {
 namespace {

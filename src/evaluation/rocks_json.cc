@@ -2,8 +2,8 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "evaluation/internal/rounded.h"
 #include "evaluation/rock_metrics.h"
-#include "evaluation/rounded.h"
 
 namespace rigmap {
 namespace {

@@ -1,4 +1,4 @@
-#include "evaluation/rounded.h"
+#include "evaluation/internal/rounded.h"
 
 #include <array>
 #include <charconv>

@@ -1,4 +1,4 @@
-#include "features/epipolar_search.h"
+#include "features/internal/epipolar_search.h"
 
 #include <algorithm>
 #include <cmath>

@@ -6,7 +6,7 @@
 
 #include "core/statistics.h"
 #include "correspondence/patch_alignment.h"
-#include "features/epipolar_search.h"
+#include "features/internal/epipolar_search.h"
 #include "geometry/rectification.h"
 
 namespace rigmap {

@@ -4,10 +4,10 @@
 #include <cmath>
 
 #include "core/progress.h"
-#include "fusion/frame_agreement.h"
-#include "fusion/tiled_grid.h"
-#include "fusion/view_cache.h"
-#include "fusion/view_consistency.h"
+#include "fusion/internal/frame_agreement.h"
+#include "fusion/internal/tiled_grid.h"
+#include "fusion/internal/view_cache.h"
+#include "fusion/internal/view_consistency.h"
 
 namespace rigmap {
 namespace {

@@ -1,9 +1,9 @@
-#include "fusion/frame_agreement.h"
+#include "fusion/internal/frame_agreement.h"
 
 #include <cmath>
 
 #include "core/statistics.h"
-#include "fusion/view_consistency.h"
+#include "fusion/internal/view_consistency.h"
 
 namespace rigmap {
 

@@ -1,4 +1,4 @@
-#include "fusion/view_cache.h"
+#include "fusion/internal/view_cache.h"
 
 #include <fmt/format.h>
 

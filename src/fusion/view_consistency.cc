@@ -1,4 +1,4 @@
-#include "fusion/view_consistency.h"
+#include "fusion/internal/view_consistency.h"
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
@@ -9,7 +9,7 @@
 #include <optional>
 
 #include "core/statistics.h"
-#include "fusion/disparity_normal.h"
+#include "fusion/internal/disparity_normal.h"
 
 namespace rigmap {
 namespace {

@@ -1,4 +1,4 @@
-#include "georeference/antenna_path.h"
+#include "georeference/internal/antenna_path.h"
 
 #include <algorithm>
 

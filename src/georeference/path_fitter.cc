@@ -1,4 +1,4 @@
-#include "georeference/path_fitter.h"
+#include "georeference/internal/path_fitter.h"
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>

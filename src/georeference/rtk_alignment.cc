@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "core/statistics.h"
-#include "georeference/antenna_path.h"
+#include "georeference/internal/antenna_path.h"
+#include "georeference/internal/path_fitter.h"
 #include "georeference/local_frame.h"
-#include "georeference/path_fitter.h"
 
 namespace rigmap {
 namespace {

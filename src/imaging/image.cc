@@ -7,7 +7,7 @@
 #include <limits>
 #include <opencv2/imgcodecs.hpp>
 
-#include "imaging/image_header.h"
+#include "imaging/internal/image_header.h"
 
 namespace rigmap {
 namespace {

@@ -1,4 +1,4 @@
-#include "imaging/image_header.h"
+#include "imaging/internal/image_header.h"
 
 #include <algorithm>
 #include <cctype>

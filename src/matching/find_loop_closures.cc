@@ -1,4 +1,4 @@
-#include "matching/find_loop_closures.h"
+#include "matching/internal/find_loop_closures.h"
 
 #include <spdlog/spdlog.h>
 
@@ -8,10 +8,10 @@
 #include <map>
 
 #include "core/statistics.h"
-#include "matching/loop_closure_motion.h"
-#include "matching/pair_selection.h"
-#include "matching/place_index.h"
-#include "matching/vocabulary.h"
+#include "matching/internal/loop_closure_motion.h"
+#include "matching/internal/pair_selection.h"
+#include "matching/internal/place_index.h"
+#include "matching/internal/vocabulary.h"
 
 namespace rigmap {
 namespace {

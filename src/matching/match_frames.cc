@@ -5,10 +5,10 @@
 #include <algorithm>
 
 #include "correspondence/stereo_points.h"
-#include "matching/find_loop_closures.h"
 #include "matching/ground_warp.h"
-#include "matching/pair_matcher.h"
-#include "matching/pair_selection.h"
+#include "matching/internal/find_loop_closures.h"
+#include "matching/internal/pair_matcher.h"
+#include "matching/internal/pair_selection.h"
 
 namespace rigmap {
 namespace {

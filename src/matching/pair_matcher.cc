@@ -1,4 +1,4 @@
-#include "matching/pair_matcher.h"
+#include "matching/internal/pair_matcher.h"
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,4 @@
-#include "matching/place_index.h"
+#include "matching/internal/place_index.h"
 
 #include <cmath>
 #include <map>

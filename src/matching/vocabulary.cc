@@ -1,4 +1,4 @@
-#include "matching/vocabulary.h"
+#include "matching/internal/vocabulary.h"
 
 #include <algorithm>
 #include <array>

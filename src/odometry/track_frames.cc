@@ -7,7 +7,7 @@
 
 #include "core/statistics.h"
 #include "correspondence/sightings.h"
-#include "odometry/motion_model.h"
+#include "odometry/internal/motion_model.h"
 
 namespace rigmap {
 namespace {

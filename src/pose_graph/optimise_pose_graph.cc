@@ -1,4 +1,4 @@
-#include "pose_graph/optimise_pose_graph.h"
+#include "pose_graph/internal/optimise_pose_graph.h"
 
 #include <ceres/ceres.h>
 #include <spdlog/spdlog.h>

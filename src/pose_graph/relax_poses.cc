@@ -4,8 +4,8 @@
 
 #include <algorithm>
 
-#include "pose_graph/optimise_pose_graph.h"
-#include "pose_graph/part_graph.h"
+#include "pose_graph/internal/optimise_pose_graph.h"
+#include "pose_graph/internal/part_graph.h"
 
 namespace rigmap {
 namespace {

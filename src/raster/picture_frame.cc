@@ -1,4 +1,4 @@
-#include "raster/picture_frame.h"
+#include "raster/internal/picture_frame.h"
 
 #include <fmt/format.h>
 

@@ -1,4 +1,4 @@
-#include "raster/point_bins.h"
+#include "raster/internal/point_bins.h"
 
 #include <fmt/format.h>
 

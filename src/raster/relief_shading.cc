@@ -1,4 +1,4 @@
-#include "raster/relief_shading.h"
+#include "raster/internal/relief_shading.h"
 
 #include <algorithm>
 #include <cmath>

@@ -7,7 +7,7 @@
 
 #include "core/error.h"
 #include "export/ply_reader.h"
-#include "raster/point_bins.h"
+#include "raster/internal/point_bins.h"
 
 namespace rigmap {
 namespace {

@@ -12,10 +12,10 @@
 #include "core/error.h"
 #include "core/file.h"
 #include "export/ply_reader.h"
-#include "raster/picture_frame.h"
-#include "raster/relief_shading.h"
+#include "raster/internal/picture_frame.h"
+#include "raster/internal/relief_shading.h"
+#include "raster/internal/view_axes.h"
 #include "raster/upper_surface.h"
-#include "raster/view_axes.h"
 
 namespace rigmap {
 namespace {

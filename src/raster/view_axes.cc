@@ -1,4 +1,4 @@
-#include "raster/view_axes.h"
+#include "raster/internal/view_axes.h"
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>

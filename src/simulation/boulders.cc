@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "simulation/noise.h"
+#include "simulation/internal/noise.h"
 
 namespace rigmap {
 namespace {

@@ -6,7 +6,7 @@
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
-#include "simulation/noise.h"
+#include "simulation/internal/noise.h"
 
 namespace rigmap {
 namespace {

@@ -1,11 +1,11 @@
-#include "simulation/debris.h"
+#include "simulation/internal/debris.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
-#include "simulation/noise.h"
+#include "simulation/internal/noise.h"
 
 namespace rigmap {
 namespace {

@@ -7,7 +7,7 @@
 #include <numbers>
 
 #include "core/error.h"
-#include "simulation/noise.h"
+#include "simulation/internal/noise.h"
 #include "simulation/rig_errors.h"
 
 namespace rigmap {

@@ -1,4 +1,4 @@
-#include "simulation/fault_frames.h"
+#include "simulation/internal/fault_frames.h"
 
 #include <fmt/format.h>
 

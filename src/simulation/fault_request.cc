@@ -1,4 +1,4 @@
-#include "simulation/fault_request.h"
+#include "simulation/internal/fault_request.h"
 
 #include <fmt/format.h>
 

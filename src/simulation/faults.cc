@@ -9,8 +9,8 @@
 #include <functional>
 #include <string_view>
 
-#include "simulation/fault_frames.h"
-#include "simulation/fault_request.h"
+#include "simulation/internal/fault_frames.h"
+#include "simulation/internal/fault_request.h"
 
 namespace rigmap {
 namespace {

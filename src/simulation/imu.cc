@@ -1,4 +1,4 @@
-#include "simulation/imu.h"
+#include "simulation/internal/imu.h"
 
 #include <fmt/format.h>
 
@@ -6,7 +6,7 @@
 #include <iterator>
 #include <ostream>
 
-#include "simulation/seeded_noise.h"
+#include "simulation/internal/seeded_noise.h"
 
 namespace rigmap {
 namespace {

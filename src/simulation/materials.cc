@@ -1,10 +1,10 @@
-#include "simulation/materials.h"
+#include "simulation/internal/materials.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 
-#include "simulation/noise.h"
+#include "simulation/internal/noise.h"
 
 namespace rigmap {
 namespace {

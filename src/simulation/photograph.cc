@@ -10,7 +10,7 @@
 #include "core/error.h"
 #include "core/file.h"
 #include "simulation/camera_response.h"
-#include "simulation/noise.h"
+#include "simulation/internal/noise.h"
 
 namespace rigmap {
 namespace {

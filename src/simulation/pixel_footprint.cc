@@ -1,4 +1,4 @@
-#include "simulation/pixel_footprint.h"
+#include "simulation/internal/pixel_footprint.h"
 
 #include <algorithm>
 #include <cmath>

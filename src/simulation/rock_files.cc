@@ -1,4 +1,4 @@
-#include "simulation/rock_files.h"
+#include "simulation/internal/rock_files.h"
 
 #include <fmt/format.h>
 
@@ -8,7 +8,7 @@
 #include "core/error.h"
 #include "core/file.h"
 #include "georeference/utm.h"
-#include "simulation/noise.h"
+#include "simulation/internal/noise.h"
 
 namespace rigmap {
 namespace {

@@ -1,4 +1,4 @@
-#include "simulation/rtk.h"
+#include "simulation/internal/rtk.h"
 
 #include <fmt/format.h>
 
@@ -6,7 +6,7 @@
 #include <cmath>
 #include <ostream>
 
-#include "simulation/seeded_noise.h"
+#include "simulation/internal/seeded_noise.h"
 
 namespace rigmap {
 namespace {

@@ -12,15 +12,15 @@
 #include "dataset/rig_file.h"
 #include "georeference/local_frame.h"
 #include "simulation/drive.h"
-#include "simulation/imu.h"
+#include "simulation/internal/imu.h"
+#include "simulation/internal/rock_files.h"
+#include "simulation/internal/rtk.h"
+#include "simulation/internal/truth_depth.h"
+#include "simulation/internal/truth_files.h"
+#include "simulation/internal/truth_surface.h"
+#include "simulation/internal/wheel_odometry.h"
 #include "simulation/photograph.h"
 #include "simulation/rig_errors.h"
-#include "simulation/rock_files.h"
-#include "simulation/rtk.h"
-#include "simulation/truth_depth.h"
-#include "simulation/truth_files.h"
-#include "simulation/truth_surface.h"
-#include "simulation/wheel_odometry.h"
 
 namespace rigmap {
 namespace {

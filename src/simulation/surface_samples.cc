@@ -1,4 +1,4 @@
-#include "simulation/surface_samples.h"
+#include "simulation/internal/surface_samples.h"
 
 #include <algorithm>
 #include <array>

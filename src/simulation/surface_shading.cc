@@ -7,7 +7,7 @@
 #include <array>
 #include <cmath>
 
-#include "simulation/materials.h"
+#include "simulation/internal/materials.h"
 
 namespace rigmap {
 namespace {

@@ -1,4 +1,4 @@
-#include "simulation/surface_visibility.h"
+#include "simulation/internal/surface_visibility.h"
 
 #include <algorithm>
 #include <optional>

@@ -6,7 +6,7 @@
 #include <numbers>
 #include <vector>
 
-#include "simulation/noise.h"
+#include "simulation/internal/noise.h"
 
 namespace rigmap {
 namespace {

@@ -1,4 +1,4 @@
-#include "simulation/truth_depth.h"
+#include "simulation/internal/truth_depth.h"
 
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>

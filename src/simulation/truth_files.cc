@@ -1,4 +1,4 @@
-#include "simulation/truth_files.h"
+#include "simulation/internal/truth_files.h"
 
 #include <fmt/format.h>
 

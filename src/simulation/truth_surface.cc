@@ -1,4 +1,4 @@
-#include "simulation/truth_surface.h"
+#include "simulation/internal/truth_surface.h"
 
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>

@@ -8,9 +8,9 @@
 #include <cmath>
 
 #include "core/error.h"
-#include "simulation/materials.h"
-#include "simulation/pixel_footprint.h"
-#include "simulation/world_parts.h"
+#include "simulation/internal/materials.h"
+#include "simulation/internal/pixel_footprint.h"
+#include "simulation/internal/world_parts.h"
 
 namespace rigmap {
 namespace {

@@ -1,4 +1,4 @@
-#include "simulation/wheel_odometry.h"
+#include "simulation/internal/wheel_odometry.h"
 
 #include <fmt/format.h>
 
@@ -8,7 +8,7 @@
 #include <numbers>
 #include <ostream>
 
-#include "simulation/seeded_noise.h"
+#include "simulation/internal/seeded_noise.h"
 
 namespace rigmap {
 namespace {

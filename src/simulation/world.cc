@@ -5,9 +5,9 @@
 #include <cmath>
 #include <numbers>
 
-#include "simulation/debris.h"
-#include "simulation/noise.h"
-#include "simulation/world_parts.h"
+#include "simulation/internal/debris.h"
+#include "simulation/internal/noise.h"
+#include "simulation/internal/world_parts.h"
 
 namespace rigmap {
 namespace {

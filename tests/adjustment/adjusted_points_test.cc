@@ -1,4 +1,4 @@
-#include "adjustment/adjusted_points.h"
+#include "adjustment/internal/adjusted_points.h"
 
 #include <gmock/gmock.h>
 

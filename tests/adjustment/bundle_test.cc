@@ -1,4 +1,4 @@
-#include "adjustment/bundle.h"
+#include "adjustment/internal/bundle.h"
 
 #include <gmock/gmock.h>
 

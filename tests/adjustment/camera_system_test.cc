@@ -1,4 +1,4 @@
-#include "adjustment/camera_system.h"
+#include "adjustment/internal/camera_system.h"
 
 #include <gmock/gmock.h>
 

@@ -1,4 +1,4 @@
-#include "adjustment/datum_frames.h"
+#include "adjustment/internal/datum_frames.h"
 
 #include <gmock/gmock.h>
 

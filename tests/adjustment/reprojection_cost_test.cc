@@ -1,4 +1,4 @@
-#include "adjustment/reprojection_cost.h"
+#include "adjustment/internal/reprojection_cost.h"
 
 #include <gtest/gtest.h>
 

@@ -6,8 +6,8 @@
 #include <numbers>
 
 #include "adjustment/adjust.h"
-#include "adjustment/adjusted_points.h"
 #include "adjustment/calibration.h"
+#include "adjustment/internal/adjusted_points.h"
 #include "correspondence/tracks.h"
 #include "tests/support/rover_correspondences.h"
 

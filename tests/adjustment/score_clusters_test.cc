@@ -1,4 +1,4 @@
-#include "adjustment/score_clusters.h"
+#include "adjustment/internal/score_clusters.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "adjustment/selected_inverse.h"
+#include "adjustment/internal/selected_inverse.h"
 
 #include <gtest/gtest.h>
 

@@ -8,8 +8,8 @@
 #include <map>
 #include <regex>
 
+#include "colmap/internal/process.h"
 #include "colmap/model_io.h"
-#include "colmap/process.h"
 #include "core/error.h"
 #include "core/file.h"
 #include "tests/colmap/rover_database.h"

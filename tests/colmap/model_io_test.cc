@@ -7,7 +7,7 @@
 #include <random>
 
 #include "colmap/installation.h"
-#include "colmap/process.h"
+#include "colmap/internal/process.h"
 #include "core/error.h"
 #include "core/file.h"
 #include "tests/support/synthetic_rover.h"

@@ -1,4 +1,4 @@
-#include "colmap/process.h"
+#include "colmap/internal/process.h"
 
 #include <gmock/gmock.h>
 #include <signal.h>

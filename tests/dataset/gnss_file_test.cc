@@ -1,4 +1,4 @@
-#include "dataset/gnss_file.h"
+#include "dataset/internal/gnss_file.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "dataset/katwijk.h"
+#include "dataset/internal/katwijk.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "dataset/rock_file.h"
+#include "dataset/internal/rock_file.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "dataset/stereo_folder.h"
+#include "dataset/internal/stereo_folder.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "fusion/disparity_normal.h"
+#include "fusion/internal/disparity_normal.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "fusion/frame_agreement.h"
+#include "fusion/internal/frame_agreement.h"
 
 #include <gtest/gtest.h>
 

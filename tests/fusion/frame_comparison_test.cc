@@ -1,4 +1,4 @@
-#include "fusion/frame_comparison.h"
+#include "fusion/internal/frame_comparison.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "fusion/tiled_grid.h"
+#include "fusion/internal/tiled_grid.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "fusion/view_consistency.h"
+#include "fusion/internal/view_consistency.h"
 
 #include <gtest/gtest.h>
 

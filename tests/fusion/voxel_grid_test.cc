@@ -1,4 +1,4 @@
-#include "fusion/voxel_grid.h"
+#include "fusion/internal/voxel_grid.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

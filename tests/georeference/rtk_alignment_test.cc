@@ -7,7 +7,7 @@
 #include <numbers>
 
 #include "core/error.h"
-#include "georeference/antenna_path.h"
+#include "georeference/internal/antenna_path.h"
 #include "georeference/local_frame.h"
 #include "tests/georeference/rover_drive.h"
 

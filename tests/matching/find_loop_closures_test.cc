@@ -1,4 +1,4 @@
-#include "matching/find_loop_closures.h"
+#include "matching/internal/find_loop_closures.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "matching/loop_closure_motion.h"
+#include "matching/internal/loop_closure_motion.h"
 
 #include <gtest/gtest.h>
 

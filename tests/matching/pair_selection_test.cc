@@ -1,4 +1,4 @@
-#include "matching/pair_selection.h"
+#include "matching/internal/pair_selection.h"
 
 #include <gtest/gtest.h>
 

@@ -1,11 +1,11 @@
-#include "matching/vocabulary.h"
+#include "matching/internal/vocabulary.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <set>
 
-#include "matching/place_index.h"
+#include "matching/internal/place_index.h"
 #include "tests/support/seeded_random.h"
 
 namespace rigmap {

@@ -1,4 +1,4 @@
-#include "odometry/motion_model.h"
+#include "odometry/internal/motion_model.h"
 
 #include <gtest/gtest.h>
 

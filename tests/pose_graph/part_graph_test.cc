@@ -1,8 +1,8 @@
-#include "pose_graph/part_graph.h"
+#include "pose_graph/internal/part_graph.h"
 
 #include <gmock/gmock.h>
 
-#include "pose_graph/optimise_pose_graph.h"
+#include "pose_graph/internal/optimise_pose_graph.h"
 #include "tests/support/seeded_random.h"
 
 namespace rigmap {

@@ -1,4 +1,4 @@
-#include "raster/point_bins.h"
+#include "raster/internal/point_bins.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

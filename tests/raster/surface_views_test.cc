@@ -9,8 +9,8 @@
 #include <random>
 
 #include "core/error.h"
-#include "raster/picture_frame.h"
-#include "raster/view_axes.h"
+#include "raster/internal/picture_frame.h"
+#include "raster/internal/view_axes.h"
 #include "tests/raster/synthetic_map.h"
 #include "tests/support/message_of.h"
 #include "tests/support/seeded_random.h"

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <map>
 
-#include "simulation/debris.h"
+#include "simulation/internal/debris.h"
 #include "simulation/scene_options.h"
 #include "tests/simulation/mesh_checks.h"
 

@@ -1,4 +1,4 @@
-#include "simulation/imu.h"
+#include "simulation/internal/imu.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "simulation/noise.h"
+#include "simulation/internal/noise.h"
 
 #include <gtest/gtest.h>
 

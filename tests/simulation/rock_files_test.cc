@@ -1,4 +1,4 @@
-#include "simulation/rock_files.h"
+#include "simulation/internal/rock_files.h"
 
 #include <gtest/gtest.h>
 

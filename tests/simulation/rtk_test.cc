@@ -1,4 +1,4 @@
-#include "simulation/rtk.h"
+#include "simulation/internal/rtk.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

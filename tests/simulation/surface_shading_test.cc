@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "simulation/world_parts.h"
+#include "simulation/internal/world_parts.h"
 #include "tests/simulation/small_world.h"
 #include "tests/support/seeded_random.h"
 

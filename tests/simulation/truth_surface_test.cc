@@ -1,4 +1,4 @@
-#include "simulation/truth_surface.h"
+#include "simulation/internal/truth_surface.h"
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>

@@ -1,4 +1,4 @@
-#include "simulation/wheel_odometry.h"
+#include "simulation/internal/wheel_odometry.h"
 
 #include <gtest/gtest.h>
 

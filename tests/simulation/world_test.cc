@@ -6,7 +6,7 @@
 #include <cmath>
 #include <memory>
 
-#include "simulation/world_parts.h"
+#include "simulation/internal/world_parts.h"
 #include "tests/simulation/small_world.h"
 #include "tests/support/seeded_random.h"
 

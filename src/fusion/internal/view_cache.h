@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "fusion/depth_fusion.h"
-#include "fusion/view_consistency.h"
+#include "fusion/internal/view_consistency.h"
 
 namespace rigmap {
 

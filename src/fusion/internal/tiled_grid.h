@@ -8,7 +8,7 @@
 #include <optional>
 #include <span>
 
-#include "fusion/voxel_grid.h"
+#include "fusion/internal/voxel_grid.h"
 #include "geometry/tile_index.h"
 
 namespace rigmap {

@@ -4,7 +4,7 @@
 #include <utility>
 #include <vector>
 
-#include "matching/vocabulary.h"
+#include "matching/internal/vocabulary.h"
 
 namespace rigmap {
 

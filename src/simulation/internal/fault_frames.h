@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "simulation/fault_request.h"
 #include "simulation/faults.h"
+#include "simulation/internal/fault_request.h"
 
 namespace rigmap {
 

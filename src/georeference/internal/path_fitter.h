@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "georeference/antenna_path.h"
+#include "georeference/internal/antenna_path.h"
 #include "georeference/rigid2.h"
 
 namespace rigmap {

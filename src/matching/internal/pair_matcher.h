@@ -6,7 +6,7 @@
 #include "correspondence/feature_matching.h"
 #include "correspondence/stereo_pose.h"
 #include "matching/frame_window.h"
-#include "matching/pair_selection.h"
+#include "matching/internal/pair_selection.h"
 
 namespace rigmap {
 

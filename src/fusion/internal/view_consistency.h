@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "fusion/fusion_options.h"
-#include "fusion/voxel_grid.h"
+#include "fusion/internal/voxel_grid.h"
 #include "imaging/depth_map.h"
 
 namespace rigmap {

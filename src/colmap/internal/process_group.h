@@ -6,7 +6,7 @@
 #include <string>
 #include <utility>
 
-#include "colmap/descriptor.h"
+#include "colmap/internal/descriptor.h"
 #include "core/error.h"
 
 namespace rigmap {

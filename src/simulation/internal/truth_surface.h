@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <filesystem>
 
-#include "simulation/surface_samples.h"
-#include "simulation/surface_visibility.h"
+#include "simulation/internal/surface_samples.h"
+#include "simulation/internal/surface_visibility.h"
 
 namespace rigmap {
 

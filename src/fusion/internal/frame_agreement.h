@@ -8,8 +8,8 @@
 #include <utility>
 #include <vector>
 
-#include "fusion/frame_comparison.h"
-#include "fusion/view_cache.h"
+#include "fusion/internal/frame_comparison.h"
+#include "fusion/internal/view_cache.h"
 
 namespace rigmap {
 

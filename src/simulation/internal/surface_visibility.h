@@ -7,7 +7,7 @@
 
 #include "geometry/rigid3.h"
 #include "scene/rig.h"
-#include "simulation/surface_samples.h"
+#include "simulation/internal/surface_samples.h"
 #include "simulation/world.h"
 
 namespace rigmap {

@@ -5,9 +5,9 @@
 
 #include <utility>
 
-#include "colmap/descriptor.h"
-#include "colmap/process.h"
-#include "colmap/process_group.h"
+#include "colmap/internal/descriptor.h"
+#include "colmap/internal/process.h"
+#include "colmap/internal/process_group.h"
 
 namespace rigmap {
 

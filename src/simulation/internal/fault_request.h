@@ -5,7 +5,7 @@
 
 #include "core/error.h"
 #include "simulation/faults.h"
-#include "simulation/noise.h"
+#include "simulation/internal/noise.h"
 
 namespace rigmap {
 

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "dataset/katwijk.h"
+#include "dataset/internal/katwijk.h"
 #include "scene/survey.h"
 
 namespace rigmap {
