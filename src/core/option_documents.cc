@@ -26,7 +26,8 @@ std::string Wrap(const std::string& text, const std::string& indent) {
 }
 
 std::string UnitAndAllowed(const OptionField& field) {
-  return field.unit.empty() ? AllowedText(field) : fmt::format("{}; {}", field.unit, AllowedText(field));
+  return field.unit.empty() ? AllowedText(field)
+                            : fmt::format("{}; {}", field.unit, AllowedText(field));
 }
 
 // A cell of a table in Markdown.
