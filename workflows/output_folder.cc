@@ -76,9 +76,11 @@ void RequireNoHome(const fs::path& root) {
   }
 }
 
+// The mark stays until it is written anew: a run killed here leaves a folder that bears one.
 void Empty(const fs::path& root) {
   for (const auto& entry : fs::directory_iterator(root)) {
-    if (entry.path().filename() != kLockName) fs::remove_all(entry.path());
+    const fs::path name = entry.path().filename();
+    if (name != kLockName && name != kMarkName) fs::remove_all(entry.path());
   }
 }
 
