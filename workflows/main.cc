@@ -17,6 +17,7 @@
 #include "pipeline/code_identity.h"
 #include "workflows/evaluate_part.h"
 #include "workflows/print_options.h"
+#include "workflows/print_stages.h"
 #include "workflows/reconstruct_part.h"
 
 namespace rigmap {
@@ -157,6 +158,9 @@ int Main(int argc, char** argv) {
   std::string format = "yaml";
   CLI::App* options = app.add_subcommand("options", "Print every option of part with its default");
   options->add_option("--format", format, "yaml or markdown");
+  std::string technique = "rig";
+  CLI::App* stages = app.add_subcommand("stages", "Print the stages of a technique as a table");
+  stages->add_option("--technique", technique, "rig (default) or vo");
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
@@ -172,6 +176,10 @@ int Main(int argc, char** argv) {
   }
   if (options->parsed()) {
     fmt::print("{}", PrintOptions(format));
+    return 0;
+  }
+  if (stages->parsed()) {
+    fmt::print("{}", PrintStages(ParseTechnique(technique)));
     return 0;
   }
   return RunPart(part, std::move(command));

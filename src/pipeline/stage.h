@@ -63,7 +63,8 @@ struct Stage;
 template <class Product, class... Inputs, class... Options>
 struct Stage<Product, Takes<Inputs...>, Reads<Options...>> {
   std::string name;
-  std::string_view code;  // CodeHere()
+  std::string about = {};  // what it makes, for the documents: no sentence, a phrase
+  std::string_view code;   // CodeHere()
   Product (*make)(const StageContext&, const Inputs&..., const Options&...) = nullptr;
   // All that it may leave for users, relative to the output folder.
   std::vector<std::string> publishes = {};
@@ -86,6 +87,7 @@ struct Check<Takes<Inputs...>, Reads<Options...>> {
   std::string name;
   std::string_view code;
   Report (*make)(const Inputs&..., const Options&...) = nullptr;
+  std::string about = {};  // what it asks, for the documents
 };
 
 }  // namespace rigmap

@@ -40,8 +40,10 @@ struct StageNode {
 
   Kind kind = Kind::kStage;
   std::string name;      // of sources, stages and checks
+  std::string about;     // of stages and checks
   std::string identity;  // of code and options; of a source its key, once it was opened
   std::vector<std::size_t> inputs;
+  std::vector<std::string> reads;  // options, as "section.name"
   std::vector<std::string> publishes;
   // A source: opens it, and says its key. Throws if it is not to be had.
   std::function<std::pair<std::string, std::any>()> open;
@@ -81,8 +83,10 @@ class StageGraph {
                          const std::tuple<Options...>& options, Node<Inputs>... inputs) {
     StageNode node{.kind = StageNode::Kind::kStage,
                    .name = stage.name,
+                   .about = stage.about,
                    .identity = Identity(stage.name, stage.code, options),
                    .inputs = {inputs.index...},
+                   .reads = NamesIn(options),
                    .publishes = stage.publishes};
     node.make = [make = stage.make, options](const StageContext& context,
                                              const StageNode::Inputs& values) {
@@ -128,8 +132,10 @@ class StageGraph {
                 const std::tuple<Options...>& options, Node<Inputs>... inputs) {
     StageNode node{.kind = StageNode::Kind::kCheck,
                    .name = check.name,
+                   .about = check.about,
                    .identity = Identity(check.name, check.code, options),
-                   .inputs = {inputs.index...}};
+                   .inputs = {inputs.index...},
+                   .reads = NamesIn(options)};
     node.make = [make = check.make, options](const StageContext&, const StageNode::Inputs& values) {
       return Pack(CallWith<Inputs...>(values, [&](const Inputs&... input) {
         return std::apply([&](const Options&... option) { return make(input..., option...); },
@@ -188,6 +194,20 @@ class StageGraph {
     std::apply([&](const Options&... option) { ((text += OptionsText(option) + "\n"), ...); },
                options);
     return text;
+  }
+  // What stands in no section, a recipe's own choice, has no name.
+  template <class... Options>
+  static std::vector<std::string> NamesIn(std::tuple<Options...> options) {
+    std::vector<std::string> names;
+    const auto add = [&](auto& option) {
+      if constexpr (requires { option.kSection; }) {
+        for (const OptionField& field : option.Fields()) {
+          names.push_back(std::string(option.kSection) + "." + field.name);
+        }
+      }
+    };
+    std::apply([&](Options&... option) { (add(option), ...); }, options);
+    return names;
   }
   std::size_t Add(StageNode node);
 

@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <set>
 
 #include "core/freed_memory.h"
 #include "core/memory_peak.h"
@@ -33,83 +32,17 @@ double ChildrenPeakMb() {
 }  // namespace
 
 StageRunner::StageRunner(const StageGraph& graph, fs::path root, RunPlan plan)
-    : graph_(graph), root_(std::move(root)), plan_(std::move(plan)), ledger_(ReadLedger(root_)) {
-  const auto& nodes = graph_.nodes();
-  selected_.assign(nodes.size(), true);
-  if (plan_.until) selected_ = graph_.Ancestors(graph_.IndexOf(*plan_.until));
-  anew_.assign(nodes.size(), false);
-  if (plan_.from) anew_ = graph_.Descendants(graph_.IndexOf(*plan_.from));
-  products_.resize(nodes.size());
-  keys_.resize(nodes.size());
-  for (std::size_t i = 0; i < nodes.size(); ++i) {
-    // A check is asked as soon as all is there that it looks at.
-    if (nodes[i].kind == Kind::kCheck) {
-      selected_[i] = std::ranges::all_of(nodes[i].inputs, [&](auto in) { return selected_[in]; });
-    }
-    keys_[i] = KeyOf(i);
-    anew_[i] = anew_[i] && selected_[i];
-  }
-  last_use_.resize(nodes.size());
-  for (std::size_t i = 0; i < nodes.size(); ++i) {
-    last_use_[i] = i;
-    if (!selected_[i]) continue;
-    for (const std::size_t input : nodes[i].inputs) last_use_[input] = i;
-  }
-  // A view lives as long as what it was made from, and the other way round.
-  for (std::size_t i = nodes.size(); i-- > 0;) {
-    if (nodes[i].kind != Kind::kView) continue;
-    for (const std::size_t input : nodes[i].inputs) {
-      last_use_[input] = std::max(last_use_[input], last_use_[i]);
-    }
-  }
-  FindOutdated();
-}
-
-std::optional<std::string> StageRunner::KeyOf(std::size_t index) {
-  const StageNode& node = graph_.nodes()[index];
-  if (node.kind == Kind::kSource && selected_[index]) {
-    auto [key, value] = node.open();
-    products_[index] = std::move(value);
-    return HashText(node.name + "\n" + key);
-  }
-  if (node.kind == Kind::kSource) {
-    // Nobody asks for it now: as it was when somebody did.
-    const StageRecord* record = ledger_.Find(node.name);
-    return record ? std::optional(record->key) : std::nullopt;
-  }
-  std::string text = node.identity;
-  for (const std::size_t input : node.inputs) {
-    if (!keys_[input]) return std::nullopt;
-    text += *keys_[input] + "\n";
-  }
-  return HashText(text);
-}
-
-void StageRunner::FindOutdated() {
-  std::set<std::string> spoken_for;
-  for (const StageRecord& record : ledger_.stages) {
-    const auto& nodes = graph_.nodes();
-    const auto found = std::ranges::find(nodes, record.name, &StageNode::name);
-    const auto index = static_cast<std::size_t>(found - nodes.begin());
-    const bool holds =
-        found != nodes.end() && !anew_[index] && (!keys_[index] || *keys_[index] == record.key);
-    if (holds) {
-      spoken_for.insert(record.published.begin(), record.published.end());
-    } else {
-      outdated_stages_.push_back(record.name);
-    }
-  }
-  for (const std::string& output : plan_.known_outputs) {
-    std::error_code ignored;
-    if (!spoken_for.contains(output) && fs::exists(root_ / output, ignored)) {
-      outdated_outputs_.push_back(output);
-    }
-  }
-}
+    : graph_(graph),
+      root_(std::move(root)),
+      plan_(std::move(plan)),
+      ledger_(ReadLedger(root_)),
+      schedule_(MakeSchedule(graph_, plan_, ledger_)),
+      outdated_(FindOutdated(graph_, schedule_, ledger_, plan_.known_outputs, root_)),
+      products_(std::move(schedule_.sources)) {}
 
 void StageRunner::Clear() {
-  for (const std::string& output : outdated_outputs_) fs::remove_all(root_ / output);
-  for (const std::string& stage : outdated_stages_) ledger_.Remove(stage);
+  for (const std::string& output : outdated_.outputs) fs::remove_all(root_ / output);
+  for (const std::string& stage : outdated_.stages) ledger_.Remove(stage);
   ledger_.recipe = plan_.recipe;
   // In the order of the recipe, whatever was done before.
   std::ranges::stable_sort(ledger_.stages, {},
@@ -122,7 +55,7 @@ void StageRunner::Run(Job& job) {
   Clear();
   for (std::size_t i = 0; i < graph_.nodes().size(); ++i) {
     const StageNode& node = graph_.nodes()[i];
-    if (!selected_[i] || node.kind == Kind::kView) continue;
+    if (!schedule_.selected[i] || node.kind == Kind::kView) continue;
     if (node.kind != Kind::kSource || node.report) {
       job.LogTo(root_ / "logs" / (node.name + ".log"));
     }
@@ -147,7 +80,8 @@ void StageRunner::Do(std::size_t index) {
 
 void StageRunner::DoSource(std::size_t index) {
   const StageNode& node = graph_.nodes()[index];
-  StageRecord record{.name = node.name, .key = *keys_[index], .listed = node.report != nullptr};
+  StageRecord record{
+      .name = node.name, .key = *schedule_.keys[index], .listed = node.report != nullptr};
   record.reused = ValidRecord(index) != nullptr;
   record.report = node.report ? node.report(products_[index], {}) : Report::object();
   Put(index, std::move(record));
@@ -160,7 +94,7 @@ void StageRunner::DoCheck(std::size_t index) {
     return Put(index, std::move(record));
   }
   const StageNode& node = graph_.nodes()[index];
-  StageRecord record{.name = node.name, .key = *keys_[index], .listed = false};
+  StageRecord record{.name = node.name, .key = *schedule_.keys[index], .listed = false};
   record.report = node.report(node.make(ContextOf(index), InputsOf(index)), {});
   Put(index, std::move(record));
 }
@@ -173,13 +107,13 @@ void StageRunner::DoStage(std::size_t index) {
   const StageContext context = ContextOf(index);
   const StageRecord* valid = ValidRecord(index);
   const bool published = valid ? IsPublished(*valid) : node.publishes.empty();
-  const bool kept = !anew_[index] && (published || node.publish) &&
-                    HasArtefact(ProductPath(index), *keys_[index]) &&
+  const bool kept = !schedule_.anew[index] && (published || node.publish) &&
+                    HasArtefact(ProductPath(index), *schedule_.keys[index]) &&
                     (!node.is_whole || IsWhole(index, context));
   StageRecord record;
   if (kept && valid) record = *valid;
   record.name = node.name;
-  record.key = *keys_[index];
+  record.key = *schedule_.keys[index];
   record.reused = kept;
   if (kept) {
     std::error_code ignored;  // what cannot be touched is only forgotten earlier
@@ -205,7 +139,7 @@ void StageRunner::DoStage(std::size_t index) {
 
 bool StageRunner::IsWhole(std::size_t index, const StageContext& context) {
   const StageNode& node = graph_.nodes()[index];
-  std::any product = node.load(ProductPath(index), *keys_[index]);
+  std::any product = node.load(ProductPath(index), *schedule_.keys[index]);
   if (!product.has_value() || !node.is_whole(context, product)) return false;
   products_[index] = std::move(product);
   return true;
@@ -221,7 +155,7 @@ std::vector<std::string> StageRunner::Make(std::size_t index, const StageContext
     products_[index] = node.make(context, inputs);
     if (node.publish) node.publish(publication, context, products_[index], inputs);
     fs::remove_all(context.scratch);
-    node.keep(ProductPath(index), *keys_[index], products_[index]);
+    node.keep(ProductPath(index), *schedule_.keys[index], products_[index]);
   } catch (...) {
     Discard(node);
     throw;
@@ -275,7 +209,7 @@ const std::any& StageRunner::Get(std::size_t index) {
   } else if (node.kind == Kind::kView) {
     product = node.make(ContextOf(index), InputsOf(index));
   } else {
-    product = node.load(ProductPath(index), *keys_[index]);
+    product = node.load(ProductPath(index), *schedule_.keys[index]);
     if (!product.has_value()) {  // damaged inside, which only reading it whole showed
       const auto published = Make(index, ContextOf(index));
       if (const StageRecord* valid = ValidRecord(index)) {
@@ -299,13 +233,13 @@ StageNode::Inputs StageRunner::InputsOf(std::size_t index) {
 void StageRunner::Release(std::size_t done) {
   for (std::size_t i = 0; i <= done; ++i) {
     const bool given = graph_.nodes()[i].kind == Kind::kSource;
-    if (!given && last_use_[i] <= done) products_[i].reset();
+    if (!given && schedule_.last_use[i] <= done) products_[i].reset();
   }
 }
 
 const StageRecord* StageRunner::ValidRecord(std::size_t index) const {
   const StageRecord* record = ledger_.Find(graph_.nodes()[index].name);
-  return record && record->key == keys_[index] ? record : nullptr;
+  return record && record->key == schedule_.keys[index] ? record : nullptr;
 }
 
 bool StageRunner::IsPublished(const StageRecord& record) const {
@@ -314,7 +248,8 @@ bool StageRunner::IsPublished(const StageRecord& record) const {
 }
 
 fs::path StageRunner::ProductPath(std::size_t index) const {
-  return root_ / "stages" / fmt::format("{}-{}.bin", graph_.nodes()[index].name, *keys_[index]);
+  return root_ / "stages" /
+         fmt::format("{}-{}.bin", graph_.nodes()[index].name, *schedule_.keys[index]);
 }
 
 StageContext StageRunner::ContextOf(std::size_t index) const {
@@ -325,7 +260,7 @@ StageContext StageRunner::ContextOf(std::size_t index) const {
           .scratch = root_ / "stages" / "scratch",
           .threads = job ? job->threads() : 1,
           .memory_mb = plan_.memory_mb,
-          .may_reuse = !anew_[index],
+          .may_reuse = !schedule_.anew[index],
           .publication = nullptr};
 }
 

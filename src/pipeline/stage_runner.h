@@ -2,24 +2,16 @@
 #pragma once
 
 #include <filesystem>
-#include <map>
-#include <optional>
 #include <string>
 #include <vector>
 
 #include "core/job.h"
+#include "pipeline/internal/schedule.h"
 #include "pipeline/ledger.h"
+#include "pipeline/run_plan.h"
 #include "pipeline/stage_graph.h"
 
 namespace rigmap {
-
-struct RunPlan {
-  std::string recipe;                      // its name, for the ledger
-  std::optional<std::string> until, from;  // stage names of the graph
-  int memory_mb = 2048;
-  // What any recipe may publish: of these nothing may lie in the folder that no record speaks of.
-  std::vector<std::string> known_outputs;
-};
 
 // Layout: stages/<stage>-<key>.bin holds a product, stages/ledger.json what there is,
 // logs/<stage>.log the messages of a stage, stages/scratch what none needs afterwards.
@@ -36,9 +28,9 @@ class StageRunner {
 
   // Files and folders in the output folder, relative to it, that Run will remove before it begins:
   // they were made from other inputs, options or code, or --from asks for them anew.
-  const std::vector<std::string>& outdated_outputs() const { return outdated_outputs_; }
+  const std::vector<std::string>& outdated_outputs() const { return outdated_.outputs; }
   // The stages that published them, or only kept something that does not hold any more.
-  const std::vector<std::string>& outdated_stages() const { return outdated_stages_; }
+  const std::vector<std::string>& outdated_stages() const { return outdated_.stages; }
 
   // Throws what a stage throws; what was done before stays, and of that stage nothing is left.
   void Run(Job& job);
@@ -47,8 +39,6 @@ class StageRunner {
   const Ledger& ledger() const { return ledger_; }
 
  private:
-  std::optional<std::string> KeyOf(std::size_t index);
-  void FindOutdated();
   void Clear();
   void Do(std::size_t index);
   void DoSource(std::size_t index);
@@ -76,12 +66,9 @@ class StageRunner {
   std::filesystem::path root_;
   RunPlan plan_;
   Ledger ledger_;
-  std::vector<std::optional<std::string>>
-      keys_;  // nothing: it depends on a source nobody asked for
-  std::vector<bool> selected_, anew_;
-  std::vector<std::size_t> last_use_;
-  std::vector<std::any> products_;
-  std::vector<std::string> outdated_outputs_, outdated_stages_;
+  Schedule schedule_;
+  Outdated outdated_;
+  std::vector<std::any> products_;  // of each node, while it is in memory
   double children_peak_mb_ = 0.0;
 };
 

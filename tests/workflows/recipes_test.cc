@@ -7,7 +7,9 @@
 #include <set>
 
 #include "core/error.h"
+#include "core/file.h"
 #include "tests/support/message_of.h"
+#include "workflows/print_stages.h"
 
 namespace rigmap {
 namespace {
@@ -135,6 +137,21 @@ TEST(RigRecipe, StagesDependOnWhatTheyTakeAndNoMore) {
   EXPECT_THAT(DescendantsOf(graph, "scale"),
               ElementsAre("scale", "adjustment", "gates", "dense", "depth_gates", "fusion",
                           "raster", "views", "evaluation"));
+}
+
+// To make the tables anew: rigmap stages --technique rig, and vo.
+TEST(PrintStages, GivesTheTablesOfTheDocument) {
+  const std::string document = ReadTextFile(RIGMAP_DOCS "/stages.md");
+  for (const Technique technique : {Technique::kRig, Technique::kVisualOdometry}) {
+    EXPECT_THAT(document, HasSubstr("\n\n" + PrintStages(technique) + "\n"));
+  }
+}
+
+TEST(PrintStages, NamesASectionOnlyWhereAllOfItIsRead) {
+  const std::string table = PrintStages(Technique::kRig);
+  EXPECT_THAT(table, HasSubstr("| `database` | `colmap`, `dataset`, `odometry`, `matching` | "
+                               "`mapping.tracks_per_keyframe` | "));
+  EXPECT_THAT(table, HasSubstr("| `odometry` | `dataset`, `features` | `odometry` | "));
 }
 
 // So that the one takes up what the other has left.

@@ -152,6 +152,9 @@ AdjustmentStage RigAdjustment() {
   std::vector<std::string> publishes = kTrajectoryOutputs;
   publishes.insert(publishes.end(), {"rig_refined.yaml", "sparse", "sparse.ply"});
   return {.name = "adjustment",
+          .about =
+              "one pose per frame, the rig held and, where the images contradict it, corrected "
+              "between rounds (Ceres); points, sigmas, the trajectory",
           .code = CodeHere(),
           .make = MakeAdjusted,
           .publishes = std::move(publishes),

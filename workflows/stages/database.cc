@@ -25,6 +25,7 @@ void PublishGraph(Publication& publication, const StageContext& context, const K
 
 DatabaseStage Database() {
   return {.name = "database",
+          .about = "what COLMAP gets, with the known cameras",
           .code = CodeHere(),
           .make = MakeGraph,
           .publishes = {"colmap/database.db", "colmap/images"},

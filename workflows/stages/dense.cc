@@ -104,7 +104,13 @@ bool AreDepthsThere(const StageContext& context, const DepthIndex& index) {
 }  // namespace
 
 DenseStage DenseMatching() {
-  return {.name = "dense", .code = CodeHere(), .make = MakeDepths, .is_whole = AreDepthsThere};
+  return {.name = "dense",
+          .about =
+              "depth of each keyframe by semi-global matching, refined below the pixel, each pixel "
+              "with its sigma",
+          .code = CodeHere(),
+          .make = MakeDepths,
+          .is_whole = AreDepthsThere};
 }
 
 }  // namespace rigmap

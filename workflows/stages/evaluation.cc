@@ -37,6 +37,7 @@ void PublishMetrics(Publication& publication, const StageContext&, const std::st
 
 EvaluationStage Evaluation() {
   return {.name = "evaluation",
+          .about = "trajectory, map and rocks beside ground truth, satellite fixes and survey",
           .code = CodeHere(),
           .make = MakeMetrics,
           .publishes = {"evaluation.json"},

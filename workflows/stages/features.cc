@@ -74,6 +74,9 @@ bool AreFeaturesThere(const StageContext& context, const FeatureIndex& index) {
 
 FeaturesStage Features() {
   return {.name = "features",
+          .about =
+              "SIFT keypoints of the left image with aligned stereo matches in the right; glare, "
+              "sky and what belongs to the rover left out",
           .code = CodeHere(),
           .make = MakeFeatures,
           .is_whole = AreFeaturesThere,

@@ -52,6 +52,7 @@ Report ReportMap(const FusedMap& fused, const Dataset& dataset, const PosedPart&
 
 FusionStage Fusion() {
   return {.name = "fusion",
+          .about = "points on a grid, from depth maps that confirm each other",
           .code = CodeHere(),
           .make = MakeMap,
           .publishes = {"dense.ply"},

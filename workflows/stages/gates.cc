@@ -48,15 +48,24 @@ Report JudgeDepths(const DepthIndex& depths, const DepthGateOptions& options) {
 }  // namespace
 
 AdjustedGatesCheck AdjustedGates() {
-  return {.name = "gates", .code = CodeHere(), .make = JudgeAdjusted};
+  return {.name = "gates",
+          .code = CodeHere(),
+          .make = JudgeAdjusted,
+          .about = "whether the result contradicts itself"};
 }
 
 OdometricGatesCheck OdometricGates() {
-  return {.name = "gates", .code = CodeHere(), .make = JudgeOdometric};
+  return {.name = "gates",
+          .code = CodeHere(),
+          .make = JudgeOdometric,
+          .about = "the gates that apply to poses that nothing adjusted"};
 }
 
 DepthGatesCheck DepthGates() {
-  return {.name = "depth_gates", .code = CodeHere(), .make = JudgeDepths};
+  return {.name = "depth_gates",
+          .code = CodeHere(),
+          .make = JudgeDepths,
+          .about = "whether dense depth agrees with the sparse points"};
 }
 
 }  // namespace rigmap

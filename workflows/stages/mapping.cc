@@ -96,6 +96,7 @@ Report ReportModels(const MeasuredModels& measured, const ColmapInstallation& co
 
 MappingStage Mapping() {
   return {.name = "mapping",
+          .about = "models in COLMAP's gauge, with their left-right distances",
           .code = CodeHere(),
           .make = MakeModels,
           .publishes = {"colmap/models"},

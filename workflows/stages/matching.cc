@@ -24,7 +24,13 @@ Report ReportMatches(const Correspondences& found, const Dataset&, const Feature
 }  // namespace
 
 MatchingStage Matching() {
-  return {.name = "matching", .code = CodeHere(), .make = MakeMatches, .report = ReportMatches};
+  return {.name = "matching",
+          .about =
+              "verified correspondences of neighbours and loop closures, refined to the first view "
+              "of each ground point",
+          .code = CodeHere(),
+          .make = MakeMatches,
+          .report = ReportMatches};
 }
 
 }  // namespace rigmap

@@ -26,7 +26,13 @@ Report ReportOdometry(const Odometry& odometry, const Dataset&, const FeatureSto
 }  // namespace
 
 OdometryStage VisualOdometry() {
-  return {.name = "odometry", .code = CodeHere(), .make = MakeOdometry, .report = ReportOdometry};
+  return {
+      .name = "odometry",
+      .about =
+          "metric motion with covariance from keyframe to frame; keyframes; a pose for every frame",
+      .code = CodeHere(),
+      .make = MakeOdometry,
+      .report = ReportOdometry};
 }
 
 }  // namespace rigmap

@@ -18,6 +18,7 @@ Published MakeRasters(const StageContext& context, const FusedMap& map,
 
 RasterStage Rasters() {
   return {.name = "raster",
+          .about = "height and colours from above",
           .code = CodeHere(),
           .make = MakeRasters,
           .publishes = {"height.tif", "ortho.tif"}};

@@ -40,7 +40,11 @@ Report ReportScale(const AlignedKeyframes& aligned, const Odometry&, const Keyfr
 }  // namespace
 
 ScaleStage Scale() {
-  return {.name = "scale", .code = CodeHere(), .make = MakeScale, .report = ReportScale};
+  return {.name = "scale",
+          .about = "keyframes in metres",
+          .code = CodeHere(),
+          .make = MakeScale,
+          .report = ReportScale};
 }
 
 }  // namespace rigmap

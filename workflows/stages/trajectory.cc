@@ -55,6 +55,7 @@ Report ReportOdometric(const OdometricPart& part, const Dataset&, const FeatureS
 
 TrajectoryStage OdometricTrajectory() {
   return {.name = "trajectory",
+          .about = "the poses of the odometry, laid into the world as they are",
           .code = CodeHere(),
           .make = MakeOdometric,
           .publishes = kTrajectoryOutputs,

@@ -20,7 +20,11 @@ Published MakePictures(const StageContext& context, const PosedPart& part, const
 }  // namespace
 
 ViewsStage Pictures() {
-  return {.name = "views", .code = CodeHere(), .make = MakePictures, .publishes = kPictures};
+  return {.name = "views",
+          .about = "pictures",
+          .code = CodeHere(),
+          .make = MakePictures,
+          .publishes = kPictures};
 }
 
 }  // namespace rigmap

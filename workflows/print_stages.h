@@ -1,0 +1,14 @@
+// The stages of a technique as the table that docs/stages.md shows.
+#pragma once
+
+#include <string>
+
+#include "workflows/recipes.h"
+
+namespace rigmap {
+
+// Markdown: a row for each stage and check, in order, with what it takes, reads, makes and
+// publishes. A view is shown as what it was made from.
+std::string PrintStages(Technique technique);
+
+}  // namespace rigmap
