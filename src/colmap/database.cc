@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cstring>
 #include <limits>
 #include <map>
 #include <set>
@@ -190,59 +189,6 @@ struct Unfinished {
   ~Unfinished() { RemoveDatabase(path); }
 };
 
-DatabaseImage ReadImageRow(SQLite::Statement& row, const std::filesystem::path& path) {
-  const std::uint32_t id = row.getColumn(0).getUInt(), camera = row.getColumn(2).getUInt();
-  Require(id > 0 && camera == CameraIdOf(ImageOf(id).eye), path,
-          fmt::format("expected images of a rig, found image {} of camera {}", id, camera));
-  DatabaseImage image{.ref = ImageOf(id), .name = row.getColumn(1).getString(), .keypoints = {}};
-  const auto count = static_cast<std::size_t>(row.getColumn(3).getInt64());
-  const auto columns = static_cast<std::size_t>(row.getColumn(4).getInt64());
-  const auto blob = row.getColumn(5);
-  Require(
-      columns >= 2 && static_cast<std::size_t>(blob.getBytes()) == count * columns * sizeof(float),
-      path, fmt::format("image {}: its keypoints do not have the stated size", id));
-  std::vector<float> data(count * columns);
-  if (!data.empty()) std::memcpy(data.data(), blob.getBlob(), data.size() * sizeof(float));
-  for (std::size_t i = 0; i < count; ++i) {
-    const auto shift = static_cast<float>(kColmapPixelShift);
-    image.keypoints.emplace_back(data[i * columns] - shift, data[i * columns + 1] - shift);
-  }
-  return image;
-}
-
-DatabasePair ReadPair(SQLite::Statement& row, const std::filesystem::path& path) {
-  const std::int64_t pair_id = row.getColumn(0).getInt64();
-  DatabasePair pair{.image_a = ImageOf(static_cast<std::uint32_t>(pair_id / kImageLimit)),
-                    .image_b = ImageOf(static_cast<std::uint32_t>(pair_id % kImageLimit)),
-                    .matches = {}};
-  const auto count = static_cast<std::size_t>(row.getColumn(1).getInt64());
-  const auto blob = row.getColumn(2);
-  Require(static_cast<std::size_t>(blob.getBytes()) == count * 2 * sizeof(std::uint32_t), path,
-          fmt::format("pair {}: its matches do not have the stated size", pair_id));
-  std::vector<std::uint32_t> data(count * 2);
-  if (!data.empty()) std::memcpy(data.data(), blob.getBlob(), data.size() * sizeof(data[0]));
-  for (std::size_t i = 0; i < count; ++i) pair.matches.emplace_back(data[2 * i], data[2 * i + 1]);
-  return pair;
-}
-
-SparseCamera ReadCameraRow(SQLite::Statement& row, const std::filesystem::path& path) {
-  ColmapCamera camera{.model = row.getColumn(1).getInt(), .parameters = {}};
-  const auto count = ParameterCount(camera.model);
-  Require(count.has_value(), path,
-          "expected cameras PINHOLE or OPENCV, found " + ModelName(camera.model));
-  const auto blob = row.getColumn(4);
-  Require(static_cast<std::size_t>(blob.getBytes()) == *count * sizeof(double), path,
-          "a camera does not have the parameters of its model");
-  camera.parameters.resize(*count);
-  std::memcpy(camera.parameters.data(), blob.getBlob(), *count * sizeof(double));
-  const std::uint32_t id = row.getColumn(0).getUInt();
-  const Eye eye = id == CameraIdOf(Eye::kLeft) ? Eye::kLeft : Eye::kRight;
-  Require(id == CameraIdOf(eye), path,
-          fmt::format("expected camera 1 (left) or 2 (right), found {}", id));
-  return {.eye = eye,
-          .camera = FromColmap(camera, row.getColumn(2).getInt(), row.getColumn(3).getInt())};
-}
-
 }  // namespace
 
 void RequireUnlocked(const std::filesystem::path& path) {
@@ -281,26 +227,6 @@ void WriteDatabase(const ColmapInstallation& colmap, const DatabaseContent& cont
     throw DataError(fmt::format("{}: cannot write: {}", path.string(), error.code().message()));
   } catch (const SQLite::Exception& error) {
     throw DataError(fmt::format("{}: cannot write: {}", path.string(), error.what()));
-  }
-}
-
-DatabaseContent ReadDatabase(const std::filesystem::path& path) {
-  try {
-    DatabaseContent content;
-    SQLite::Database database(path.string(), SQLite::OPEN_READONLY);
-    SQLite::Statement cameras(
-        database, "SELECT camera_id, model, width, height, params FROM cameras ORDER BY camera_id");
-    while (cameras.executeStep()) content.cameras.push_back(ReadCameraRow(cameras, path));
-    SQLite::Statement images(database,
-                             "SELECT image_id, name, camera_id, rows, cols, data FROM images JOIN "
-                             "keypoints USING (image_id) ORDER BY image_id");
-    while (images.executeStep()) content.images.push_back(ReadImageRow(images, path));
-    SQLite::Statement pairs(database,
-                            "SELECT pair_id, rows, data FROM two_view_geometries ORDER BY pair_id");
-    while (pairs.executeStep()) content.pairs.push_back(ReadPair(pairs, path));
-    return content;
-  } catch (const SQLite::Exception& error) {
-    throw DataError(fmt::format("{}: cannot read: {}", path.string(), error.what()));
   }
 }
 

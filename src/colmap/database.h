@@ -46,8 +46,4 @@ void RequireUnlocked(const std::filesystem::path& path);
 void WriteDatabase(const ColmapInstallation& colmap, const DatabaseContent& content,
                    const std::filesystem::path& path, const std::filesystem::path& log_path);
 
-// What such a database holds, in order of images; pairs come from two_view_geometries and have
-// image_a < image_b. Throws DataError.
-DatabaseContent ReadDatabase(const std::filesystem::path& path);
-
 }  // namespace rigmap

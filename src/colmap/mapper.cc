@@ -13,9 +13,6 @@
 namespace rigmap {
 namespace {
 
-constexpr double kMaxAngle_deg = 90.0;
-constexpr double kMaxError_px = 1000.0;
-
 // A command line in the making: --NAME VALUE, options of the mapper as --Mapper.NAME VALUE.
 class CommandLine {
  public:
@@ -93,14 +90,6 @@ void SetAll(const TriangulatorOptions& options, CommandLine& command) {
       .Set("tri_ignore_two_view_tracks", options.tri_ignore_two_view_tracks);
 }
 
-void RequireRange(const std::string& name, double value, double low, double high) {
-  RequireOption(value >= low && value <= high, name, fmt::format("{} to {}", low, high), value);
-}
-
-void RequireAtLeast(const std::string& name, double value, double low) {
-  RequireOption(value >= low, name, fmt::format("at least {}", low), value);
-}
-
 void PrepareFolders(const std::filesystem::path& images, const std::filesystem::path& output) {
   try {
     std::filesystem::create_directories(images);
@@ -143,46 +132,6 @@ std::vector<std::filesystem::path> NumberedModels(const std::filesystem::path& o
 
 }  // namespace
 
-OptionFields MapperOptions::Fields() {
-  return {{"min_num_matches", &min_num_matches},
-          {"multiple_models", &multiple_models},
-          {"min_model_size", &min_model_size},
-          {"init_min_tri_angle_deg", &init_min_tri_angle_deg},
-          {"ba_local_num_images", &ba_local_num_images},
-          {"ba_local_max_refinements", &ba_local_max_refinements},
-          {"ba_local_function_tolerance", &ba_local_function_tolerance},
-          {"ba_global_images_ratio", &ba_global_images_ratio},
-          {"ba_global_points_ratio", &ba_global_points_ratio},
-          {"ba_global_max_refinements", &ba_global_max_refinements},
-          {"ba_global_max_num_iterations", &ba_global_max_num_iterations},
-          {"ba_global_function_tolerance", &ba_global_function_tolerance},
-          {"abs_pose_max_error_px", &abs_pose_max_error_px},
-          {"abs_pose_min_num_inliers", &abs_pose_min_num_inliers},
-          {"abs_pose_min_inlier_ratio", &abs_pose_min_inlier_ratio},
-          {"filter_max_reproj_error_px", &filter_max_reproj_error_px},
-          {"tri_min_angle_deg", &tri_min_angle_deg},
-          {"tri_ignore_two_view_tracks", &tri_ignore_two_view_tracks}};
-}
-
-void MapperOptions::Validate() const {
-  RequireAtLeast("min_num_matches", min_num_matches, 1);
-  RequireAtLeast("min_model_size", min_model_size, 2);
-  RequireRange("init_min_tri_angle_deg", init_min_tri_angle_deg, 0.0, kMaxAngle_deg);
-  RequireAtLeast("ba_local_num_images", ba_local_num_images, 2);
-  RequireAtLeast("ba_local_max_refinements", ba_local_max_refinements, 1);
-  RequireRange("ba_local_function_tolerance", ba_local_function_tolerance, 0.0, 0.1);
-  RequireAtLeast("ba_global_images_ratio", ba_global_images_ratio, 1.01);
-  RequireAtLeast("ba_global_points_ratio", ba_global_points_ratio, 1.01);
-  RequireAtLeast("ba_global_max_refinements", ba_global_max_refinements, 1);
-  RequireAtLeast("ba_global_max_num_iterations", ba_global_max_num_iterations, 1);
-  RequireRange("ba_global_function_tolerance", ba_global_function_tolerance, 0.0, 0.1);
-  RequireRange("abs_pose_max_error_px", abs_pose_max_error_px, 0.1, kMaxError_px);
-  RequireAtLeast("abs_pose_min_num_inliers", abs_pose_min_num_inliers, 6);
-  RequireRange("abs_pose_min_inlier_ratio", abs_pose_min_inlier_ratio, 0.0, 1.0);
-  RequireRange("filter_max_reproj_error_px", filter_max_reproj_error_px, 0.1, kMaxError_px);
-  RequireRange("tri_min_angle_deg", tri_min_angle_deg, 0.0, kMaxAngle_deg);
-}
-
 MapperOptions StockMapperOptions() {
   MapperOptions options;
   options.ba_local_num_images = 6;
@@ -223,38 +172,6 @@ std::vector<std::filesystem::path> RunMapper(const ColmapInstallation& colmap,
                                 request.output.string(), DescribeOutput(process, result)));
   }
   return models;
-}
-
-OptionFields TriangulatorOptions::Fields() {
-  return {{"min_num_matches", &min_num_matches},
-          {"tri_create_max_angle_error_deg", &tri_create_max_angle_error_deg},
-          {"tri_continue_max_angle_error_deg", &tri_continue_max_angle_error_deg},
-          {"tri_re_max_angle_error_deg", &tri_re_max_angle_error_deg},
-          {"tri_merge_max_reproj_error_px", &tri_merge_max_reproj_error_px},
-          {"tri_complete_max_reproj_error_px", &tri_complete_max_reproj_error_px},
-          {"filter_max_reproj_error_px", &filter_max_reproj_error_px},
-          {"tri_min_angle_deg", &tri_min_angle_deg},
-          {"ba_global_max_refinements", &ba_global_max_refinements},
-          {"ba_global_max_num_iterations", &ba_global_max_num_iterations},
-          {"ba_global_function_tolerance", &ba_global_function_tolerance},
-          {"tri_ignore_two_view_tracks", &tri_ignore_two_view_tracks}};
-}
-
-void TriangulatorOptions::Validate() const {
-  RequireAtLeast("min_num_matches", min_num_matches, 1);
-  RequireRange("tri_create_max_angle_error_deg", tri_create_max_angle_error_deg, 0.01,
-               kMaxAngle_deg);
-  RequireRange("tri_continue_max_angle_error_deg", tri_continue_max_angle_error_deg, 0.01,
-               kMaxAngle_deg);
-  RequireRange("tri_re_max_angle_error_deg", tri_re_max_angle_error_deg, 0.01, kMaxAngle_deg);
-  RequireRange("tri_merge_max_reproj_error_px", tri_merge_max_reproj_error_px, 0.1, kMaxError_px);
-  RequireRange("tri_complete_max_reproj_error_px", tri_complete_max_reproj_error_px, 0.1,
-               kMaxError_px);
-  RequireRange("filter_max_reproj_error_px", filter_max_reproj_error_px, 0.1, kMaxError_px);
-  RequireRange("tri_min_angle_deg", tri_min_angle_deg, 0.0, kMaxAngle_deg);
-  RequireAtLeast("ba_global_max_refinements", ba_global_max_refinements, 1);
-  RequireAtLeast("ba_global_max_num_iterations", ba_global_max_num_iterations, 1);
-  RequireRange("ba_global_function_tolerance", ba_global_function_tolerance, 0.0, 0.1);
 }
 
 void RunPointTriangulator(const ColmapInstallation& colmap, const TriangulatorOptions& options,

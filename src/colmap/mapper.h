@@ -1,6 +1,6 @@
 // COLMAP's incremental mapper and point triangulator, with every option that matters said aloud.
-// Intrinsics are never refined. Both are deterministic, whatever the
-// number of threads: equal databases give equal models.
+// Intrinsics are never refined. Both are deterministic, whatever the number of threads: equal
+// databases give equal models.
 #pragma once
 
 #include <filesystem>
@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "colmap/installation.h"
-#include "core/options.h"
 
 namespace rigmap {
 
@@ -35,9 +34,6 @@ struct MapperOptions {
   double tri_min_angle_deg = 1.5;              // of a new point, and to keep one
   // Points that a single stereo pair sees carry the baseline: they are kept.
   bool tri_ignore_two_view_tracks = false;
-
-  OptionFields Fields();
-  void Validate() const;
 };
 
 // COLMAP 3.8's own values of these options, for unseeded mapping. They ignore two-view tracks.
@@ -78,9 +74,6 @@ struct TriangulatorOptions {
   double ba_global_function_tolerance = 0.0;  // relative; points alone converge at once
   // As for the mapper.
   bool tri_ignore_two_view_tracks = false;
-
-  OptionFields Fields();
-  void Validate() const;
 };
 
 struct TriangulatorRequest {

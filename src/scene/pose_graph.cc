@@ -2,7 +2,8 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
-#include <numeric>
+
+#include "core/disjoint_sets.h"
 
 namespace rigmap {
 
@@ -12,15 +13,14 @@ Matrix6d SqrtInformation(const Matrix6d& covariance) {
 }
 
 std::vector<int> FirstOfGroups(const PoseGraph& graph) {
+  DisjointSets groups(graph.nodes.size());
+  for (const PoseEdge& edge : graph.edges) {
+    const auto [first, other] = std::minmax({groups.Root(edge.a), groups.Root(edge.b)});
+    groups.Unite(first, other);
+  }
   std::vector<int> first(graph.nodes.size());
-  std::iota(first.begin(), first.end(), 0);
-  for (bool joined = true; joined;) {
-    joined = false;
-    for (const PoseEdge& edge : graph.edges) {
-      const int least = std::min(first[edge.a], first[edge.b]);
-      joined = joined || first[edge.a] != least || first[edge.b] != least;
-      first[edge.a] = first[edge.b] = least;
-    }
+  for (std::size_t node = 0; node < first.size(); ++node) {
+    first[node] = groups.Root(static_cast<int>(node));
   }
   return first;
 }

@@ -7,6 +7,7 @@
 
 #include "core/error.h"
 #include "core/file.h"
+#include "tests/colmap/read_database.h"
 #include "tests/colmap/rover_database.h"
 #include "tests/support/temporary_folder.h"
 
@@ -175,13 +176,6 @@ TEST_F(WriteDatabaseTest, NamesAColumnThatTheToolDidNotMake) {
   } catch (const ToolError& error) {
     EXPECT_THAT(error.what(), HasSubstr("column prior_focal_length in table cameras"));
   }
-}
-
-TEST(ReadDatabase, RefusesWhatIsNoDatabase) {
-  const TemporaryFolder folder;
-  EXPECT_THROW(ReadDatabase(folder.Path() / "none.db"), DataError);
-  std::ofstream(folder.Path() / "text.db") << std::string(5000, 'x');
-  EXPECT_THROW(ReadDatabase(folder.Path() / "text.db"), DataError);
 }
 
 }  // namespace

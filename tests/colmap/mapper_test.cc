@@ -243,14 +243,5 @@ TEST_F(MapperTest, ExitCodeZeroWithoutAModelIsAnError) {
   }
 }
 
-TEST(MapperOptions, DefaultsHoldAndNonsenseIsRefused) {
-  MapperOptions{}.Validate();
-  StockMapperOptions().Validate();
-  TriangulatorOptions{}.Validate();
-  EXPECT_THROW(MapperOptions{.ba_global_images_ratio = 1.0}.Validate(), UsageError);
-  EXPECT_THROW(MapperOptions{.abs_pose_min_inlier_ratio = 1.5}.Validate(), UsageError);
-  EXPECT_THROW(TriangulatorOptions{.filter_max_reproj_error_px = 0.0}.Validate(), UsageError);
-}
-
 }  // namespace
 }  // namespace rigmap

@@ -6,6 +6,7 @@
 #include <set>
 
 #include "correspondence/tracks.h"
+#include "tests/colmap/read_database.h"
 #include "tests/mapping/rover_part.h"
 #include "tests/support/temporary_folder.h"
 
