@@ -43,6 +43,7 @@ struct PartArguments {
   std::string dataset, out, rig, config, frames, format, until, from, truth;
   std::string technique = "rig";
   std::optional<int> traverse, part, threads;
+  std::optional<double> accuracy_pct;
   int memory_mb = 2048;
   std::vector<std::string> assignments;
   bool force = false, quiet = false;
@@ -60,6 +61,9 @@ void AddPart(CLI::App& app, PartArguments& a) {
   part->add_option("--frames", a.frames, "FIRST:END of the paired frames, END excluded");
   part->add_option("--config", a.config, "YAML file of options (rigmap options lists all)");
   part->add_option("--set", a.assignments, "stage.option=value, over --config");
+  part->add_option(
+      "--accuracy", a.accuracy_pct,
+      "Per cent of the path that scale and positions must be good to (95 %); default 1");
   part->add_option("--until", a.until, "Do no more than this stage and what it depends on");
   part->add_option("--from", a.from, "Do this stage and those that depend on it anew");
   part->add_flag("--force", a.force, "Remove an earlier result from the output folder first");
@@ -107,6 +111,10 @@ PartRequest MakeRequest(const PartArguments& a, std::string command) {
   request.dataset.default_loccam_rig = ConfigFile("rigs/loccam.yaml");
   request.out = a.out;
   request.options = LoadPartOptions(IfGiven<fs::path>(a.config), a.assignments);
+  if (a.accuracy_pct) {
+    request.options.gates.poses.accuracy_pct = *a.accuracy_pct;
+    RequireValid(request.options.gates);
+  }
   request.until = IfGiven<std::string>(a.until);
   request.from = IfGiven<std::string>(a.from);
   request.force = a.force;
@@ -131,6 +139,7 @@ PartRequest MakeRequest(const PartArguments& a, std::string command) {
 int RunPart(const PartArguments& arguments, std::string command) {
   const PartResult result = ReconstructPart(MakeRequest(arguments, std::move(command)));
   if (result.status == PartStatus::kUntrusted) {
+    if (!result.verdict.empty()) fmt::print(stderr, "rigmap: {}\n", result.verdict);
     fmt::print(stderr, "rigmap: the result is not to be trusted: {}\n", result.reason);
     return kExitUntrusted;
   }
@@ -138,7 +147,7 @@ int RunPart(const PartArguments& arguments, std::string command) {
     const bool partial = result.status == PartStatus::kPartial;
     fmt::print(stderr, "rigmap: {}, {}; results in {}\n",
                arguments.until.empty() ? "done" : "done up to " + arguments.until,
-               partial ? result.reason : "no gate failed", arguments.out);
+               partial ? result.reason : result.verdict, arguments.out);
   }
   return 0;
 }

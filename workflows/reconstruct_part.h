@@ -18,7 +18,8 @@ constexpr auto NamesOf(PartStatus) { return std::array{"ok", "partial", "untrust
 
 struct PartResult {
   PartStatus status = PartStatus::kOk;
-  std::string reason;  // why it is not to be trusted, or what is not known
+  std::string reason;   // why it is not to be trusted, or what is not known
+  std::string verdict;  // how good it is, in a sentence; empty where no gate was asked
 };
 
 // Does what is missing in request.out, so that it holds everything of the contract

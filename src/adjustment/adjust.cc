@@ -41,6 +41,8 @@ class Adjuster {
         options_(options),
         tracks_(BuildTracks(input.correspondences, false)),
         bundle_{.rig = Corrected(input.rig, input.correction)},
+        prior_sigmas_(PriorSigmas(input.rig, options)),
+        refined_(input.refined),
         correction_(input.correction) {
     for (const auto& pose : input.world_from_left) {
       bundle_.left_from_world.push_back(pose ? std::optional(pose->Inverse()) : std::nullopt);
@@ -59,7 +61,7 @@ class Adjuster {
       max_error_px = options_.outlier_sigmas * noise_px_;
     }
     CameraSystemResult system = SolveSystem();
-    constexpr int kMaxCorrections = 5;
+    constexpr int kMaxCorrections = 16;
     for (int i = 0; i < kMaxCorrections && CorrectRig(system); ++i) {
       Round(max_error_px, kFineTolerance);
       max_error_px = options_.outlier_sigmas * noise_px_;
@@ -104,12 +106,23 @@ class Adjuster {
     return extent_m;
   }
 
-  // False, with nothing changed, where no correction is asked for or the last one has settled.
+  // False, with nothing changed, where no correction is called for or the last one has settled.
   bool CorrectRig(const CameraSystemResult& system) {
     if (!system.calibration) return false;
-    const auto better = BetterCorrection(correction_, *system.calibration, options_);
+    // More is freed only once what is free has settled: until then it may make up for the rest.
+    if (MoveRig(refined_, *system.calibration)) return true;
+    const RigRefinement next =
+        NextRefinement(refined_, correction_, *system.calibration, prior_sigmas_, options_);
+    if (next == refined_) return false;
+    refined_ = next;
+    return MoveRig(refined_, *system.calibration);
+  }
+
+  // To the most probable correction with the parameters of `refined` free; false if it is there.
+  bool MoveRig(RigRefinement refined, const CalibrationEquations& calibration) {
+    if (refined == RigRefinement::kNone) return false;
+    const auto better = MostProbable(refined, correction_, calibration, prior_sigmas_, options_);
     if (!better) return false;
-    correction_covariance_ = better->covariance;
     constexpr double kSettledSigmas = 0.1;
     const CalibrationVector step = better->correction - correction_;
     const CalibrationVector sigmas = better->covariance.diagonal().cwiseSqrt();
@@ -117,7 +130,7 @@ class Adjuster {
     correction_ = better->correction;
     bundle_.rig = Corrected(input_.rig, correction_);
     spdlog::info("rig corrected, in sigmas of the prior, by {:.3f}",
-                 fmt::join(InPriorSigmas(correction_, options_), " "));
+                 fmt::join(correction_.cwiseQuotient(prior_sigmas_), " "));
     return true;
   }
 
@@ -155,7 +168,8 @@ class Adjuster {
   }
 
   // Sigmas grown along and about the left camera's axes, correlations kept.
-  std::vector<Matrix6d> InflatedCovariances(const CameraSystemResult& system) const {
+  std::vector<Matrix6d> InflatedCovariances(const CameraSystemResult& system,
+                                            const CalibrationMatrix& of_calibration) const {
     std::vector<Matrix6d> covariances = system.covariances;
     for (std::size_t i = 0; i < covariances.size(); ++i) {
       if (!bundle_.left_from_world[i]) continue;
@@ -165,12 +179,26 @@ class Adjuster {
       const Matrix6d grow = options_.shared_noise * left_from_world.transpose() *
                             system.inflations[i].asDiagonal() * left_from_world;
       covariances[i] = grow * covariances[i] * grow.transpose();
-      if (correction_.isZero() || system.by_calibration.empty()) continue;
-      // A rig that was found from the same images is uncertain itself.
+      if (system.by_calibration.empty()) continue;
       covariances[i] +=
-          system.by_calibration[i] * correction_covariance_ * system.by_calibration[i].transpose();
+          system.by_calibration[i] * of_calibration * system.by_calibration[i].transpose();
     }
     return covariances;
+  }
+
+  // Sigma of a function of the calibration.
+  double SigmaOf(double (*function)(const StereoRig&), const CalibrationMatrix& error) const {
+    constexpr double kStepSigmas = 0.01;  // of the prior: where the function is linear
+    CalibrationVector gradient;
+    for (int i = 0; i < kCalibrationSize; ++i) {
+      CalibrationVector ahead = correction_, behind = correction_;
+      ahead(i) += kStepSigmas * prior_sigmas_(i);
+      behind(i) -= kStepSigmas * prior_sigmas_(i);
+      gradient(i) =
+          (function(Corrected(input_.rig, ahead)) - function(Corrected(input_.rig, behind))) /
+          (2.0 * kStepSigmas * prior_sigmas_(i));
+    }
+    return std::sqrt(std::max(0.0, gradient.dot(error * gradient)));
   }
 
   Adjustment Result(CameraSystemResult system) {
@@ -183,12 +211,26 @@ class Adjuster {
     result.outlier_share =
         1.0 - static_cast<double>(errors.size()) /
                   static_cast<double>(std::max({all, errors.size(), std::size_t{1}}));
-    result.covariances = InflatedCovariances(system);
+    const CalibrationMatrix of_calibration =
+        system.calibration
+            ? CalibrationError(refined_, correction_, *system.calibration, prior_sigmas_, options_)
+            : CalibrationMatrix::Zero().eval();
+    result.covariances = InflatedCovariances(system, of_calibration);
+    if (system.scale) {
+      const CalibrationVector& by_calibration = system.scale->by_calibration;
+      result.scale_sigma =
+          std::sqrt(options_.shared_noise * options_.shared_noise * system.scale->variance +
+                    by_calibration.dot(of_calibration * by_calibration));
+    }
+    result.correction_px = LargestShiftPx(input_.rig, bundle_.rig);
+    result.infinity_offset_px = DisparityAtInfinity(bundle_.rig) - DisparityAtInfinity(input_.rig);
+    result.infinity_offset_sigma_px = SigmaOf(DisparityAtInfinity, of_calibration);
     result.datum_frames = std::move(system.datum_frames);
     result.calibration = system.calibration;
     result.rig = bundle_.rig;
     result.rig_correction = correction_;
-    result.rig_correction_sigmas = InPriorSigmas(correction_, options_);
+    result.rig_correction_sigmas = correction_.cwiseQuotient(prior_sigmas_);
+    result.refined = refined_;
     for (const auto& pose : bundle_.left_from_world) {
       result.world_from_left.push_back(pose ? std::optional(pose->Inverse()) : std::nullopt);
     }
@@ -200,8 +242,9 @@ class Adjuster {
   const AdjustmentOptions& options_;
   std::vector<Track> tracks_;
   Bundle bundle_;
+  CalibrationVector prior_sigmas_;
+  RigRefinement refined_;
   CalibrationVector correction_;
-  CalibrationMatrix correction_covariance_ = CalibrationMatrix::Zero();
   double noise_px_ = 1.0;
 };
 

@@ -17,7 +17,9 @@ struct AdjustmentInput {
   // Metric starting poses; a frame without one is not adjusted. The first that has one is held, and
   // so is the first of every further group of frames that shares no points with those before.
   std::vector<std::optional<Rigid3>> world_from_left;
-  CalibrationVector correction = CalibrationVector::Zero();  // of the rig, to start from
+  // To start from: which parameters of the rig are corrected, and how far.
+  RigRefinement refined = RigRefinement::kNone;
+  CalibrationVector correction = CalibrationVector::Zero();
 };
 
 // In rounds: triangulates all tracks on the poses as they stand, adjusts poses and points together

@@ -5,8 +5,7 @@ namespace {
 
 constexpr const char* kPrior =
     " Sigma of the prior that draws the rig back to it, as good calibrations with a board scatter "
-    "when they are repeated. A correction beyond three of them fails the gate "
-    "rig_refinement_sigmas.";
+    "when they are repeated; it also counts in the sigmas of poses and scale.";
 
 }  // namespace
 
@@ -17,23 +16,27 @@ OptionFields AdjustmentOptions::Fields() {
        "",
        {},
        "none: the calibration is kept. rotation: the right eye's rotation is corrected. "
-       "rotation+focal: also one factor on all focal lengths. all: also principal points, k1 and a "
-       "factor between the eyes' focal lengths. auto: all, but only where the images contradict a "
-       "parameter by more than refine_sigmas and by enough to matter, a twentieth of its prior. "
-       "The baseline's length never moves: it is where the metres come from. A corrected rig is "
-       "written to rig_refined.yaml and can serve as --rig."},
+       "rotation+focal: also one factor on all focal lengths. all-but-focal: rotation, principal "
+       "points, distortion (k1 k2 p1 p2) and a factor between the eyes' focal lengths. all: both. "
+       "auto: none, then all-but-focal, then all, each step taken only where stretches of the part "
+       "that were left out fit better with it (refine_sigmas), and by enough to matter, a "
+       "twentieth of the prior. The baseline's length never moves: it is where the metres come "
+       "from. A corrected rig is written to rig_refined.yaml and can serve as --rig."},
       {"refine_sigmas", &refine_sigmas, "sigmas", MoreThan(0.0),
-       "How many of its sigmas, inflated by shared_noise, a parameter must be off before "
-       "refine_rig "
-       "auto corrects the rig. With shared_noise 2 these are eight of the sigmas that residuals "
-       "alone give."},
+       "How much better stretches of the part that were left out must fit, in sigmas, before "
+       "refine_rig auto frees more of the rig: each of eight stretches is compared with a rig that "
+       "was corrected from the others. No more than one of them may fit worse. The sigmas are "
+       "those "
+       "of residuals, inflated by what residuals of whole tracks say and by shared_noise."},
       {"rig_prior_deg", &rig_prior_deg, "degrees", MoreThan(0.0),
        std::string("How far the rotation of a calibration may be off.") + kPrior},
       {"focal_prior_pct", &focal_prior_pct, "per cent", MoreThan(0.0),
        "The same of focal lengths."},
       {"principal_point_prior_px", &principal_point_prior_px, "px", MoreThan(0.0),
        "The same of principal points."},
-      {"distortion_prior", &distortion_prior, "", MoreThan(0.0), "The same of k1."},
+      {"distortion_prior_px", &distortion_prior_px, "px", MoreThan(0.0),
+       "The same of the distortion: of each of k1, k2, p1 and p2, what it moves a pixel in the "
+       "corner of the image by."},
   };
   const OptionFields residuals = {
       {"huber_sigmas", &huber_sigmas, "robust sigmas", MoreThan(0.0),

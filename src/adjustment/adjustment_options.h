@@ -2,14 +2,9 @@
 #pragma once
 
 #include "core/options.h"
+#include "scene/calibration.h"
 
 namespace rigmap {
-
-// Which part of the calibration the adjustment corrects.
-enum class RigRefinement { kNone, kRotation, kRotationAndFocal, kAll, kAuto };
-constexpr auto NamesOf(RigRefinement) {
-  return std::array{"none", "rotation", "rotation+focal", "all", "auto"};
-}
 
 // What each option does and why it has its default: the declaration in adjustment_options.cc.
 struct AdjustmentOptions {
@@ -20,7 +15,7 @@ struct AdjustmentOptions {
   double rig_prior_deg = 0.1;
   double focal_prior_pct = 0.5;
   double principal_point_prior_px = 1.0;
-  double distortion_prior = 0.005;
+  double distortion_prior_px = 2.0;
   double huber_sigmas = 2.0;
   double outlier_sigmas = 5.0;
   double min_noise_px = 0.05;

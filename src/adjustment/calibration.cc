@@ -1,5 +1,7 @@
 #include "adjustment/calibration.h"
 
+#include <spdlog/spdlog.h>
+
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <algorithm>
@@ -9,51 +11,65 @@
 namespace rigmap {
 namespace {
 
-CalibrationVector PriorSigmas(const AdjustmentOptions& options) {
-  CalibrationVector sigmas;
-  sigmas.segment<3>(kRotationX).setConstant(options.rig_prior_deg * std::numbers::pi / 180.0);
-  sigmas.segment<2>(kLogFocal).setConstant(options.focal_prior_pct / 100.0);
-  sigmas.segment<4>(kLeftCx).setConstant(options.principal_point_prior_px);
-  sigmas.segment<2>(kLeftK1).setConstant(options.distortion_prior);
-  return sigmas;
-}
+constexpr std::size_t kMinBlocks = 4;  // fewer cannot be trusted to contradict each other
 
-// Whether a parameter, all others held, moves by more than so many of its sigmas, and by enough to
-// matter: over long paths the least noise that all frames share becomes significant.
-bool Contradicts(const CalibrationEquations& equations, const AdjustmentOptions& options) {
-  constexpr double kMattersPriorSigmas = 0.05;  // 0.005 degrees, 0.025 %, 0.05 px
-  const double sigmas = options.refine_sigmas * options.shared_noise;
-  const CalibrationVector prior = PriorSigmas(options);
-  for (int i = 0; i < kCalibrationSize; ++i) {
-    const double variance = std::max(equations.score_covariance(i, i), equations.information(i, i));
-    const bool is_sure = equations.score(i) * equations.score(i) > sigmas * sigmas * variance;
-    const double step = equations.score(i) / equations.information(i, i);
-    if (is_sure && std::abs(step) > kMattersPriorSigmas * prior(i)) return true;
+// Which parameters are free.
+CalibrationVector FreedBy(RigRefinement refined) {
+  CalibrationVector freed = CalibrationVector::Zero();
+  switch (refined) {
+    case RigRefinement::kNone:
+      break;
+    case RigRefinement::kRotation:
+      freed.segment<3>(kRotationX).setOnes();
+      break;
+    case RigRefinement::kRotationAndFocal:
+      freed.segment<3>(kRotationX).setOnes();
+      freed(kLogFocal) = 1.0;
+      break;
+    case RigRefinement::kAllButFocal:
+      freed.setOnes();
+      freed(kLogFocal) = 0.0;
+      break;
+    case RigRefinement::kAll:
+    case RigRefinement::kAuto:
+      freed.setOnes();
+      break;
   }
-  return false;
+  return freed;
 }
 
-// How many times as uncertain as independent observations would leave it (variance).
-double Inflation(const CalibrationEquations& equations) {
+// How many times as uncertain as independent observations would leave it (variance): because
+// residuals of one track go together, and because of noise that all tracks of a frame share.
+double Inflation(const CalibrationEquations& equations, const AdjustmentOptions& options) {
   const CalibrationMatrix ratio = equations.information.ldlt().solve(equations.score_covariance);
   const double mean = ratio.diagonal().mean();
-  return std::isfinite(mean) ? std::max(1.0, mean) : 1.0;
+  return (std::isfinite(mean) ? std::max(1.0, mean) : 1.0) * options.shared_noise *
+         options.shared_noise;
 }
 
-// The parameters from `first_held` on leave the system.
-void Hold(int first_held, CalibrationMatrix& system, CalibrationVector& right_side) {
-  for (int i = first_held; i < kCalibrationSize; ++i) {
-    system.row(i).setZero();
-    system.col(i).setZero();
-    system(i, i) = 1.0;
-    right_side(i) = 0.0;
+struct LinearSystem {
+  CalibrationMatrix matrix;
+  CalibrationVector right_side;
+
+  CalibrationVector Solution() const { return matrix.ldlt().solve(right_side); }
+};
+
+// Of the correction, not of a step from `now`. Held parameters stay where they are.
+LinearSystem SystemOf(const CalibrationVector& freed, const CalibrationVector& now,
+                      const CalibrationVector& score, const CalibrationMatrix& information,
+                      double inflation, const CalibrationVector& prior_sigmas) {
+  LinearSystem system{information / inflation, {}};
+  system.right_side = system.matrix * now + score / inflation;
+  system.matrix.diagonal() += prior_sigmas.cwiseAbs2().cwiseInverse();
+  for (int i = 0; i < kCalibrationSize; ++i) {
+    if (freed(i) != 0.0) continue;
+    system.right_side -= system.matrix.col(i) * now(i);
+    system.matrix.row(i).setZero();
+    system.matrix.col(i).setZero();
+    system.matrix(i, i) = 1.0;
+    system.right_side(i) = now(i);
   }
-}
-
-int FirstHeld(RigRefinement refine_rig) {
-  if (refine_rig == RigRefinement::kRotation) return kLogFocal;
-  if (refine_rig == RigRefinement::kRotationAndFocal) return kLogRightFocal;
-  return kCalibrationSize;
+  return system;
 }
 
 }  // namespace
@@ -69,6 +85,9 @@ StereoRig Corrected(const StereoRig& rig, const CalibrationVector& correction) {
     camera.cx += correction(centre);
     camera.cy += correction(centre + 1);
     camera.k1 += correction(k1);
+    camera.k2 += correction(k1 + 1);
+    camera.p1 += correction(k1 + 2);
+    camera.p2 += correction(k1 + 3);
   };
   correct(corrected.left.camera, correction(kLogFocal), kLeftCx, kLeftK1);
   correct(corrected.right.camera, correction(kLogFocal) + correction(kLogRightFocal), kRightCx,
@@ -91,30 +110,138 @@ std::optional<CalibrationStep> RotationAndFocalStep(const CalibrationEquations& 
                          step(3),        sigma(3),        independent(3)};
 }
 
-CalibrationVector InPriorSigmas(const CalibrationVector& correction,
-                                const AdjustmentOptions& options) {
-  return correction.cwiseQuotient(PriorSigmas(options));
+CalibrationVector PriorSigmas(const StereoRig& rig, const AdjustmentOptions& options) {
+  CalibrationVector sigmas;
+  sigmas.segment<3>(kRotationX).setConstant(options.rig_prior_deg * std::numbers::pi / 180.0);
+  sigmas.segment<2>(kLogFocal).setConstant(options.focal_prior_pct / 100.0);
+  sigmas.segment<4>(kLeftCx).setConstant(options.principal_point_prior_px);
+  for (const Eye eye : {Eye::kLeft, Eye::kRight}) {
+    const Camera& camera = rig.Of(eye).camera;
+    const double focal = camera.MeanFocal(),
+                 corner = 0.5 * std::hypot(camera.width, camera.height) / focal;
+    // Of the polynomial's terms: k1 r^3, k2 r^5, and 3 p r^2 where a tangential one is largest.
+    sigmas.segment<4>(eye == Eye::kLeft ? kLeftK1 : kRightK1) << std::pow(corner, -3.0),
+        std::pow(corner, -5.0), std::pow(corner, -2.0) / 3.0, std::pow(corner, -2.0) / 3.0;
+    sigmas.segment<4>(eye == Eye::kLeft ? kLeftK1 : kRightK1) *=
+        options.distortion_prior_px / focal;
+  }
+  return sigmas;
 }
 
-std::optional<ProbableCorrection> BetterCorrection(const CalibrationVector& now,
-                                                   const CalibrationEquations& equations,
-                                                   const AdjustmentOptions& options) {
-  if (options.refine_rig == RigRefinement::kNone) return std::nullopt;
-  const bool asks = options.refine_rig == RigRefinement::kAuto && now.isZero();
-  if (asks && !Contradicts(equations, options)) return std::nullopt;
-  // Directions that hardly show must not follow noise that is shared.
-  const double times_as_uncertain =
-      Inflation(equations) * options.shared_noise * options.shared_noise;
-  CalibrationMatrix system = equations.information / times_as_uncertain;
-  CalibrationVector right_side = system * now + equations.score / times_as_uncertain;
-  system.diagonal() += PriorSigmas(options).cwiseAbs2().cwiseInverse();
-  Hold(FirstHeld(options.refine_rig), system, right_side);
-  ProbableCorrection better{system.ldlt().solve(right_side), system.inverse()};
-  for (int i = FirstHeld(options.refine_rig); i < kCalibrationSize; ++i) {
-    better.covariance(i, i) = 0.0;
+std::optional<ProbableCorrection> MostProbable(RigRefinement refined, const CalibrationVector& now,
+                                               const CalibrationEquations& equations,
+                                               const CalibrationVector& prior_sigmas,
+                                               const AdjustmentOptions& options) {
+  const CalibrationVector freed = FreedBy(refined);
+  const LinearSystem system = SystemOf(freed, now, equations.score, equations.information,
+                                       Inflation(equations, options), prior_sigmas);
+  ProbableCorrection found{system.Solution(), system.matrix.inverse()};
+  if (!found.correction.allFinite() || !found.covariance.allFinite()) return std::nullopt;
+  found.covariance = freed.asDiagonal() * found.covariance * freed.asDiagonal();
+  return found;
+}
+
+std::optional<Eigen::Vector2d> RightPixelAtInfinity(const StereoRig& rig,
+                                                    const Eigen::Vector2d& left) {
+  const auto ray = Undistort(rig.left.camera, left);
+  if (!ray) return std::nullopt;
+  return Project(rig.right.camera, rig.right_from_left.rotation * ray->homogeneous());
+}
+
+double DisparityAtInfinity(const StereoRig& rig) {
+  const Camera& camera = rig.left.camera;
+  const Eigen::Vector2d middle(0.5 * (camera.width - 1), 0.5 * (camera.height - 1));
+  const auto right = RightPixelAtInfinity(rig, middle);
+  return right ? middle.x() - right->x() : 0.0;
+}
+
+double LargestShiftPx(const StereoRig& from, const StereoRig& to) {
+  constexpr int kSteps = 8;
+  const Camera& camera = from.left.camera;
+  double largest_px = 0.0;
+  for (int column = 0; column <= kSteps; ++column) {
+    for (int row = 0; row <= kSteps; ++row) {
+      const Eigen::Vector2d left(static_cast<double>(column * (camera.width - 1)) / kSteps,
+                                 static_cast<double>(row * (camera.height - 1)) / kSteps);
+      const auto a = RightPixelAtInfinity(from, left), b = RightPixelAtInfinity(to, left);
+      if (a && b) largest_px = std::max(largest_px, (*a - *b).norm());
+    }
   }
-  if (!better.correction.allFinite() || !better.covariance.allFinite()) return std::nullopt;
-  return better;
+  return largest_px;
+}
+
+CalibrationMatrix CalibrationError(RigRefinement refined, const CalibrationVector& now,
+                                   const CalibrationEquations& equations,
+                                   const CalibrationVector& prior_sigmas,
+                                   const AdjustmentOptions& options) {
+  const auto all = MostProbable(RigRefinement::kAll, now, equations, prior_sigmas, options);
+  if (!all) return CalibrationMatrix::Zero();
+  const CalibrationVector off = all->correction - now;
+  constexpr double kConflictSigmas = 2.0;
+  const double focal_variance = all->covariance(kLogFocal, kLogFocal);
+  const bool is_rejected =
+      refined == RigRefinement::kAllButFocal && options.refine_rig == RigRefinement::kAuto &&
+      off(kLogFocal) * off(kLogFocal) > kConflictSigmas * kConflictSigmas * focal_variance;
+  if (!is_rejected) return all->covariance + off * off.transpose();
+  // What the others would do if the focal length were another one, and what they do if it is held.
+  const CalibrationVector following = all->covariance.col(kLogFocal) / focal_variance;
+  const CalibrationMatrix held =
+      all->covariance - focal_variance * following * following.transpose();
+  const CalibrationVector off_held = off - off(kLogFocal) * following;
+  const double prior = prior_sigmas(kLogFocal);
+  return held + off_held * off_held.transpose() + prior * prior * following * following.transpose();
+}
+
+std::optional<LeftOutGain> GainOfRefining(RigRefinement from, RigRefinement to,
+                                          const CalibrationVector& now,
+                                          const CalibrationEquations& equations,
+                                          const CalibrationVector& prior_sigmas,
+                                          const AdjustmentOptions& options) {
+  if (equations.blocks.size() < kMinBlocks) return std::nullopt;
+  const double inflation = Inflation(equations, options);
+  LeftOutGain found{.stretches = static_cast<int>(equations.blocks.size())};
+  for (const CalibrationBlock& left_out : equations.blocks) {
+    const auto gain_of = [&](RigRefinement refined) {
+      const CalibrationVector step =
+          SystemOf(FreedBy(refined), now, equations.score - left_out.score,
+                   equations.information - left_out.information, inflation, prior_sigmas)
+              .Solution() -
+          now;
+      return left_out.score.dot(step) - 0.5 * step.dot(left_out.information * step);
+    };
+    const double gain = (gain_of(to) - gain_of(from)) / inflation;
+    constexpr double kChance = 0.5;  // half a square of one sigma
+    if (!std::isfinite(gain)) return std::nullopt;
+    found.sum += gain;
+    if (gain < -kChance) ++found.against;
+  }
+  return found;
+}
+
+RigRefinement NextRefinement(RigRefinement refined, const CalibrationVector& now,
+                             const CalibrationEquations& equations,
+                             const CalibrationVector& prior_sigmas,
+                             const AdjustmentOptions& options) {
+  if (options.refine_rig != RigRefinement::kAuto) return options.refine_rig;
+  if (refined == RigRefinement::kAll) return refined;
+  const RigRefinement next =
+      refined == RigRefinement::kNone ? RigRefinement::kAllButFocal : RigRefinement::kAll;
+  const auto gain = GainOfRefining(refined, next, now, equations, prior_sigmas, options);
+  const auto correction = MostProbable(next, now, equations, prior_sigmas, options);
+  if (!gain || !correction) return refined;
+  spdlog::info("rig refined by {} instead of {}: left-out stretches gain {:.1f}, {} of {} against",
+               NameOf(next), NameOf(refined), gain->sum, gain->against, gain->stretches);
+  // Over long paths the least noise that all frames share becomes significant.
+  constexpr double kMattersPriorSigmas = 0.05;  // 0.005 degrees, 0.025 %, 0.05 px
+  const bool matters =
+      ((correction->correction - now).cwiseQuotient(prior_sigmas).cwiseAbs().array() >
+       kMattersPriorSigmas)
+          .any();
+  // One stretch in eight may show something else: a person, a car, glare.
+  constexpr int kStretchesPerDissenter = 8;
+  const bool is_confirmed = gain->sum > 0.5 * options.refine_sigmas * options.refine_sigmas &&
+                            gain->against <= gain->stretches / kStretchesPerDissenter;
+  return matters && is_confirmed ? next : refined;
 }
 
 }  // namespace rigmap

@@ -1,4 +1,4 @@
-// Where the images of a part would move the rig's calibration.
+// Where the images of a part would move the rig's calibration, and how far to follow them.
 #pragma once
 
 #include <Eigen/Core>
@@ -24,20 +24,61 @@ struct CalibrationStep {
 // Nothing where the equations are singular.
 std::optional<CalibrationStep> RotationAndFocalStep(const CalibrationEquations& equations);
 
-// In sigmas of the prior.
-CalibrationVector InPriorSigmas(const CalibrationVector& correction,
-                                const AdjustmentOptions& options);
+// How far the calibration in a rig file may be off, one standard deviation each. Of the distortion
+// it is what moves a pixel in the image's corner by options.distortion_prior_px.
+CalibrationVector PriorSigmas(const StereoRig& rig, const AdjustmentOptions& options);
 
+// Where the right eye sees what the left one sees at `left` if it is infinitely far; nothing where
+// either lens model has no such ray.
+std::optional<Eigen::Vector2d> RightPixelAtInfinity(const StereoRig& rig,
+                                                    const Eigen::Vector2d& left);
+// Disparity there of what is infinitely far, in the middle of the left image, px.
+double DisparityAtInfinity(const StereoRig& rig);
+// Largest change of RightPixelAtInfinity over the image, px.
+double LargestShiftPx(const StereoRig& from, const StereoRig& to);
+
+// A correction with what the part and the prior together leave unknown of it.
 struct ProbableCorrection {
   CalibrationVector correction;
-  CalibrationMatrix covariance;
+  CalibrationMatrix covariance;  // zero where a parameter is held
 };
 
-// The correction that is most probable under the prior, given what the part says at the correction
-// `now`; nothing if refine_rig asks for none or ("auto", at no correction) if no parameter by
-// itself contradicts the calibration by more than refine_sigmas.
-std::optional<ProbableCorrection> BetterCorrection(const CalibrationVector& now,
-                                                   const CalibrationEquations& equations,
-                                                   const AdjustmentOptions& options);
+// The most probable correction under the prior when the parameters of `refined` are free, given
+// what the part says at the correction `now`. Nothing where the equations are singular.
+std::optional<ProbableCorrection> MostProbable(RigRefinement refined, const CalibrationVector& now,
+                                               const CalibrationEquations& equations,
+                                               const CalibrationVector& prior_sigmas,
+                                               const AdjustmentOptions& options);
+
+// Mean square error of the calibration at the correction `now`, in which the parameters of
+// `refined` are free: what the part and the prior leave unknown, and how far the most probable
+// correction lies from it. Where the images ask for a focal length that left-out stretches did not
+// confirm, they do not know it, and the prior counts. Zero where the equations are singular.
+CalibrationMatrix CalibrationError(RigRefinement refined, const CalibrationVector& now,
+                                   const CalibrationEquations& equations,
+                                   const CalibrationVector& prior_sigmas,
+                                   const AdjustmentOptions& options);
+
+// How much better stretches of the part fit a rig that is corrected from all the others: half the
+// decrease of their weighted squares, in units of what chance gives (the inflation of the noise).
+struct LeftOutGain {
+  double sum = 0.0;  // over all stretches
+  int stretches = 0;
+  int against = 0;  // stretches that fit worse, by more than chance
+};
+// Nothing for less than four stretches.
+std::optional<LeftOutGain> GainOfRefining(RigRefinement from, RigRefinement to,
+                                          const CalibrationVector& now,
+                                          const CalibrationEquations& equations,
+                                          const CalibrationVector& prior_sigmas,
+                                          const AdjustmentOptions& options);
+
+// Which parameters to free, where `now` is the correction with those of `refined` free: what
+// options.refine_rig says, for "auto" one step further than `refined` at most. All but the common
+// focal length are freed first, since that must not make up for what the lens model lacks.
+RigRefinement NextRefinement(RigRefinement refined, const CalibrationVector& now,
+                             const CalibrationEquations& equations,
+                             const CalibrationVector& prior_sigmas,
+                             const AdjustmentOptions& options);
 
 }  // namespace rigmap

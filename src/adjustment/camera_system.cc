@@ -7,6 +7,7 @@
 #include <map>
 
 #include "adjustment/calibration.h"
+#include "adjustment/internal/calibration_blocks.h"
 #include "adjustment/internal/datum_frames.h"
 #include "adjustment/internal/score_clusters.h"
 #include "adjustment/internal/selected_inverse.h"
@@ -71,7 +72,9 @@ class ReducedSystem {
     Eliminate(v, v_gradient, shared_point, pose_point);
   }
 
-  CameraSystemResult Solve(const std::vector<std::optional<Rigid3>>& poses) const;
+  CameraSystemResult Solve(const std::vector<std::optional<Rigid3>>& poses);
+  // How the pose of each frame follows the calibration, once that was solved.
+  const std::vector<PoseResponse>& responses() const { return responses_; }
 
  private:
   static constexpr int kFixed = -2;
@@ -125,12 +128,24 @@ class ReducedSystem {
     return std::max(0.1, 1.0 - unknowns / std::max(coordinates_, 1.0));
   }
 
+  // Whether others hang on the datum frame.
+  bool IsNeeded(std::size_t datum_frame) const {
+    for (std::size_t frame = 0; frame < datum_frames_.size(); ++frame) {
+      if (frame != datum_frame && datum_frames_[frame] == static_cast<int>(datum_frame))
+        return true;
+    }
+    return false;
+  }
+
   std::vector<Vector6d> Inflations(const Factor& factor, const std::vector<Matrix6d>& inverse,
                                    const std::vector<std::optional<Rigid3>>& poses) const;
 
   void SolveCalibration(const Factor& factor, const std::vector<std::optional<Rigid3>>& poses,
-                        CameraSystemResult& result) const;
+                        CameraSystemResult& result);
+  void SolveScale(const Factor& factor, const std::vector<std::optional<Rigid3>>& poses,
+                  CameraSystemResult& result) const;
 
+  std::vector<PoseResponse> responses_;
   std::vector<int> datum_frames_;
   std::vector<int> unknown_;
   ScoreClusters clusters_;
@@ -204,7 +219,7 @@ std::vector<Vector6d> ReducedSystem::Inflations(
   return inflations;
 }
 
-CameraSystemResult ReducedSystem::Solve(const std::vector<std::optional<Rigid3>>& poses) const {
+CameraSystemResult ReducedSystem::Solve(const std::vector<std::optional<Rigid3>>& poses) {
   CameraSystemResult result;
   result.datum_frames = datum_frames_;
   result.covariances.assign(poses.size(), Matrix6d::Zero());
@@ -226,13 +241,14 @@ CameraSystemResult ReducedSystem::Solve(const std::vector<std::optional<Rigid3>>
   }
   result.inflations = Inflations(solver, inverse, poses);
   SolveCalibration(solver, poses, result);
+  SolveScale(solver, poses, result);
   return result;
 }
 
 // The system bordered by the calibration.
 void ReducedSystem::SolveCalibration(const Factor& factor,
                                      const std::vector<std::optional<Rigid3>>& poses,
-                                     CameraSystemResult& result) const {
+                                     CameraSystemResult& result) {
   const int unknowns = static_cast<int>(pose_shared_.size());
   Eigen::MatrixXd coupling(6 * unknowns, kShared);
   Eigen::VectorXd gradient(6 * unknowns);
@@ -241,6 +257,7 @@ void ReducedSystem::SolveCalibration(const Factor& factor,
     gradient.segment<6>(6 * i) = pose_gradient_[i];
   }
   const Eigen::MatrixXd solved = factor.solve(coupling);
+  const Eigen::VectorXd step = -factor.solve(gradient);
   CalibrationEquations equations;
   equations.information = shared_ - coupling.transpose() * solved;
   equations.score = -(shared_gradient_ - solved.transpose() * gradient);
@@ -248,11 +265,53 @@ void ReducedSystem::SolveCalibration(const Factor& factor,
   if (!RotationAndFocalStep(equations)) return;
   result.calibration = equations;
   result.by_calibration.assign(poses.size(), PoseShared::Zero());
+  responses_.assign(poses.size(), {});
   for (std::size_t frame = 0; frame < poses.size(); ++frame) {
     if (unknown_[frame] < 0) continue;
+    responses_[frame] = {step.segment<6>(6 * unknown_[frame]),
+                         -solved.middleRows<6>(6 * unknown_[frame])};
     result.by_calibration[frame] =
-        -WorldFromPerturbation(*poses[frame]) * solved.middleRows<6>(6 * unknown_[frame]);
+        WorldFromPerturbation(*poses[frame]) * responses_[frame].by_calibration;
   }
+}
+
+// Least squares of the scale between positions p and p + dp: the sum of w dp, w = (p - mean) / sum
+// of squares.
+void ReducedSystem::SolveScale(const Factor& factor,
+                               const std::vector<std::optional<Rigid3>>& poses,
+                               CameraSystemResult& result) const {
+  if (!result.calibration) return;
+  std::vector<std::size_t> frames;
+  int datum_frames = 0;
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  for (std::size_t frame = 0; frame < poses.size(); ++frame) {
+    const bool is_used = unknown_[frame] >= 0;
+    const bool is_datum = unknown_[frame] == kFixed && poses[frame] && IsNeeded(frame);
+    if (is_datum) ++datum_frames;
+    if (!is_used && !is_datum) continue;
+    frames.push_back(frame);
+    mean += poses[frame]->Inverse().translation;
+  }
+  if (datum_frames != 1) return;
+  mean /= static_cast<double>(frames.size());
+  double squares = 0.0;
+  Eigen::MatrixXd functional = Eigen::MatrixXd::Zero(6 * static_cast<int>(pose_shared_.size()), 6);
+  ScaleKnowledge scale;
+  for (const std::size_t frame : frames) {
+    const Eigen::Vector3d arm = poses[frame]->Inverse().translation - mean;
+    squares += arm.squaredNorm();
+    if (unknown_[frame] < 0) continue;
+    functional.block<6, 1>(6 * unknown_[frame], 0) =
+        WorldFromPerturbation(*poses[frame]).topRows<3>().transpose() * arm;
+    scale.by_calibration += result.by_calibration[frame].topRows<3>().transpose() * arm;
+  }
+  if (!(squares > 0.0)) return;
+  functional /= squares;
+  scale.by_calibration /= squares;
+  const Eigen::MatrixXd solved = factor.solve(functional);
+  scale.variance = std::max(functional.col(0).dot(solved.col(0)),
+                            clusters_.Covariance(solved)(0, 0) / Redundancy());
+  result.scale = scale;
 }
 
 }  // namespace
@@ -264,7 +323,12 @@ CameraSystemResult SolveCameraSystem(const std::vector<AdjustedPoint>& points,
   for (const AdjustedPoint& point : points) {
     system.AddPoint(point, left_from_world, rig, noise_px, huber_px);
   }
-  return system.Solve(left_from_world);
+  CameraSystemResult result = system.Solve(left_from_world);
+  if (result.calibration) {
+    result.calibration->blocks =
+        CalibrationBlocks(points, left_from_world, rig, system.responses(), noise_px, huber_px);
+  }
+  return result;
 }
 
 }  // namespace rigmap

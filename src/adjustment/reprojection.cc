@@ -34,9 +34,11 @@ std::optional<Reprojection> Reproject(const StereoRig& rig, Eye eye, const Rigid
   }
   jacobians.calibration.col(kLogFocal) = from_centre;
   jacobians.calibration.middleCols<2>(is_left ? kLeftCx : kRightCx).setIdentity();
-  jacobians.calibration.col(is_left ? kLeftK1 : kRightK1) =
-      normalised.squaredNorm() *
-      Eigen::Vector2d(camera.fx * normalised.x(), camera.fy * normalised.y());
+  const double u = normalised.x(), v = normalised.y(), r2 = normalised.squaredNorm();
+  const Eigen::Vector2d radial(camera.fx * u, camera.fy * v);
+  jacobians.calibration.middleCols<4>(is_left ? kLeftK1 : kRightK1) << r2 * radial,
+      r2 * r2 * radial, Eigen::Vector2d(2.0 * camera.fx * u * v, camera.fy * (r2 + 2.0 * v * v)),
+      Eigen::Vector2d(camera.fx * (r2 + 2.0 * u * u), 2.0 * camera.fy * u * v);
   return result;
 }
 

@@ -164,6 +164,12 @@ Eigen::Vector3d ReadVector(const YamlNode& node) {
   return Eigen::Vector3d(node.AsDoubles(3).data());
 }
 
+double ReadSigma(const YamlNode& node) {
+  const double sigma = node.AsDouble();
+  if (!(sigma >= 0.0)) throw Complaint(node, fmt::format("expected a sigma, found {}", sigma));
+  return sigma;
+}
+
 Rigid3 ReadRigid(const YamlNode& node) {
   node.RequireKeys({"R", "t"});
   return {ReadRotation(node.At("R")), ReadVector(node.At("t"))};
@@ -232,7 +238,7 @@ std::string FormatRigid(const Rigid3& motion) {
 StereoRig ReadRigFile(const std::filesystem::path& path) {
   const YamlNode root = ReadYaml(path);
   root.RequireKeys({"left", "right", "right_from_left", "baseline_m", "rectified",
-                    "antenna_in_left", "imu_from_left"});
+                    "antenna_in_left", "imu_from_left", "sigmas"});
   StereoRig rig;
   rig.source = path.string();
   rig.left = ReadEye(root.At("left"), path.parent_path());
@@ -244,6 +250,10 @@ StereoRig ReadRigFile(const std::filesystem::path& path) {
     rig.antenna_in_left = ReadVector(*antenna);
   }
   if (const YamlNode* imu = root.Find("imu_from_left")) rig.imu_from_left = ReadRigid(*imu);
+  if (const YamlNode* sigmas = root.Find("sigmas")) {
+    sigmas->RequireKeys({"baseline_m"});
+    rig.baseline_sigma_m = ReadSigma(sigmas->At("baseline_m"));
+  }
   return rig;
 }
 
@@ -254,6 +264,9 @@ std::string WriteRigFile(const StereoRig& rig) {
     text += fmt::format("antenna_in_left: {}\n", FormatVector(*rig.antenna_in_left));
   }
   if (rig.imu_from_left) text += fmt::format("imu_from_left:\n{}", FormatRigid(*rig.imu_from_left));
+  if (rig.baseline_sigma_m) {
+    text += fmt::format("sigmas:\n  baseline_m: {}\n", *rig.baseline_sigma_m);
+  }
   return text;
 }
 

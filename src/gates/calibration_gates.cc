@@ -53,12 +53,11 @@ void JudgeEpipolar(const GateInputs& inputs, const CalibrationGateOptions& optio
 // A rig that the part corrected has to stay near its calibration.
 void JudgeCorrection(const GateInputs& inputs, const CalibrationGateOptions& options,
                      Gates& gates) {
-  std::optional<double> sigmas;
-  if (inputs.adjustment.IsRigCorrected()) {
-    sigmas = inputs.adjustment.rig_correction_sigmas.cwiseAbs().maxCoeff();
-  }
-  gates.push_back(AtMost("rig_refinement_sigmas", sigmas, options.rig_refinement_sigmas,
-                         "how far the rig was corrected, in sigmas of what a calibration errs by"));
+  std::optional<double> shift_px;
+  if (inputs.adjustment.IsRigCorrected()) shift_px = inputs.adjustment.correction_px;
+  gates.push_back(AtMost("rig_refinement_px", shift_px,
+                         options.rig_refinement_share * inputs.rig.left.camera.width,
+                         "the rig file is off by more than a calibration errs: of another rig?"));
 }
 
 // The sigma that a correction is compared with. An inflated sigma beyond the limit does not come

@@ -23,16 +23,12 @@ OptionFields PoseGateOptions::Fields() {
       {"predicted", &predicted, "", MoreThan(0.0),
        "Share of frames posed by prediction alone. A black image or two may be bridged; where "
        "more than a fifth of the trajectory is guessed it is not a measurement any more."},
-      {"position_sigma_pct", &position_sigma_pct, "per cent", MoreThan(0.0),
-       "Root mean square of the position sigmas of all other frames, relative to the first "
-       "frame, as a share of the path, or of a metre if that is longer: what the result says of "
-       "itself. Parts that are tracked throughout have 0.01 to 0.05; a step of 0.2 m that had to "
-       "be guessed costs 60 mm of sigma for all behind it, 0.75 % of 8 m."},
-      {"scale_sigma_pct", &scale_sigma_pct, "per cent", MoreThan(0.0),
-       "Sigma of the distance from the first to the farthest measured frame, as a share of it, "
-       "or of a metre if that is longer. The 0.2 % that depths and focal lengths are held to are "
-       "twice this; on 110 simulated parts scales were off by 0.7 of these sigmas (root mean "
-       "square), by 1.9 at most where it was near the limit."},
+      {"accuracy_pct", &accuracy_pct, "per cent", MoreThan(0.0),
+       "How good a result has to be, as --accuracy sets it: of the scale, and of the worst "
+       "measured "
+       "position as a share of the path (or of a metre if that is longer), both at 95 % by the "
+       "result's own sigmas. One per cent is what people ask of odometry; a rover's part that is "
+       "tracked throughout has 0.1 to 0.4."},
   };
 }
 
@@ -60,10 +56,13 @@ OptionFields CalibrationGateOptions::Fields() {
       {"epipolar_px", &epipolar_px, "px", MoreThan(0.0),
        "Median distance of stereo matches from their epipolar line. Good real rigs have up to "
        "0.6. A row that is off by a pixel is a pitch of 0.07 degrees at 840 px."},
-      {"rig_refinement_sigmas", &rig_refinement_sigmas, "sigmas", MoreThan(0.0),
-       "Largest correction of the rig by the adjustment, in sigmas of its prior "
-       "(adjustment.rig_prior_deg and the three options after it). Beyond three it is another "
-       "rig's file, or the images are wrong."},
+      {"rig_refinement_share", &rig_refinement_share, "", MoreThan(0.0),
+       "Largest shift, as a share of the image's width, by which the correction of the rig moves "
+       "the "
+       "right image of what is infinitely far. Real rig files that were corrected well were off by "
+       "0.2 to 0.7 % (3 px of 512 in the worst); beyond a hundredth it is another rig's file, or "
+       "the "
+       "images are wrong."},
       {"max_depth_error_share", &max_depth_error_share, "", MoreThan(0.0),
        "Largest share by which the right eye's rotation may falsify the depth of the median "
        "point. A turn a shifts disparities by f a, which is a z / b of the depth at z: the limit "

@@ -23,8 +23,7 @@ struct PoseGateOptions {
   static constexpr const char* kSection = "gates";
 
   double predicted = 0.2;
-  double position_sigma_pct = 0.1;
-  double scale_sigma_pct = 0.1;
+  double accuracy_pct = 1.0;
 
   OptionFields Fields();
 };
@@ -46,7 +45,7 @@ struct CalibrationGateOptions {
   static constexpr const char* kSection = "gates";
 
   double epipolar_px = 1.0;
-  double rig_refinement_sigmas = 3.0;
+  double rig_refinement_share = 0.01;
   double max_depth_error_share = 0.002;
   double intrinsics_consistency_pct = 0.2;
   double consistency_sigmas = 5.0;

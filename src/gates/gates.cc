@@ -5,8 +5,10 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <limits>
 
 #include "core/statistics.h"
+#include "gates/accuracy.h"
 
 namespace rigmap {
 namespace {
@@ -25,49 +27,12 @@ void JudgePrediction(const GateInputs& inputs, const PoseGateOptions& options, G
                          "share of frames whose pose was guessed, nothing in them being measured"));
 }
 
-// Of a way shorter than this it is millimetres that count, not shares of it.
-constexpr double kShortWay_m = 1.0;
-
-// How well the distance to the farthest measured frame is known, as a share of it or of a metre if
-// it is shorter; nothing for a rig that stands.
-std::optional<double> DistanceSigmaPct(const GateInputs& inputs) {
-  const Trajectory& trajectory = inputs.trajectory;
-  double farthest_m = inputs.rig.Baseline();
-  std::optional<double> pct;
-  for (const TimedPose& pose : trajectory) {
-    if (pose.source == PoseSource::kPredicted) continue;
-    const Eigen::Vector3d way =
-        pose.world_from_left.translation - trajectory.front().world_from_left.translation;
-    if (way.norm() < farthest_m) continue;
-    farthest_m = way.norm();
-    const double sigma_m = way.normalized().cwiseProduct(pose.sigmas.head<3>()).norm();
-    pct = 100.0 * sigma_m / std::max(kShortWay_m, farthest_m);
-  }
-  return pct;
-}
-
-// What the trajectory's own sigmas say of its frames that were measured.
-void JudgeSigmas(const GateInputs& inputs, const PoseGateOptions& options, Gates& gates) {
-  std::optional<double> pct;
-  double path_m = 0.0, square_m2 = 0.0;
-  std::size_t measured = 0;
-  const Trajectory& trajectory = inputs.trajectory;
-  for (std::size_t i = 0; i < trajectory.size(); ++i) {
-    const Eigen::Vector3d& here = trajectory[i].world_from_left.translation;
-    if (i > 0) path_m += (here - trajectory[i - 1].world_from_left.translation).norm();
-    if (trajectory[i].source == PoseSource::kPredicted) continue;
-    square_m2 += trajectory[i].sigmas.head<3>().squaredNorm();
-    ++measured;
-  }
-  // A rig that stands has no way to compare with.
-  if (measured > 0 && path_m >= inputs.rig.Baseline()) {
-    pct = 100.0 * std::sqrt(square_m2 / static_cast<double>(measured)) /
-          std::max(kShortWay_m, path_m);
-  }
-  gates.push_back(AtMost("position_sigma_pct", pct, options.position_sigma_pct,
-                         "root mean square sigma of the measured positions, per cent of the path"));
-  gates.push_back(AtMost("scale_sigma_pct", DistanceSigmaPct(inputs), options.scale_sigma_pct,
-                         "sigma of the distance from the first to the farthest frame, per cent"));
+void JudgeAccuracy(const GateInputs& inputs, const PoseGateOptions& options, Gates& gates) {
+  const Accuracy accuracy = AccuracyOf(inputs.trajectory, inputs.adjustment, inputs.rig);
+  gates.push_back(AtMost("scale_95_pct", accuracy.scale_95_pct, options.accuracy_pct,
+                         "the scale is known to so many per cent (95 %) only"));
+  gates.push_back(AtMost("position_95_pct", accuracy.position_95_pct, options.accuracy_pct,
+                         "positions are known to so many per cent of the path (95 %) only"));
 }
 
 struct StepDifference {
@@ -96,12 +61,33 @@ std::vector<StepDifference> StepDifferences(const GateInputs& inputs) {
   return differences;
 }
 
+// How far off the steps of any few that follow each other are, in limits: a map that is torn or
+// bent in one spot is off there alone.
+std::optional<double> WorstWindow(const std::vector<StepDifference>& differences,
+                                  const AdjustmentGateOptions& options) {
+  constexpr std::size_t kWindow = 3;
+  std::optional<double> worst;
+  for (std::size_t i = 0; i + kWindow <= differences.size(); ++i) {
+    double least = std::numeric_limits<double>::infinity();
+    for (std::size_t k = i; k < i + kWindow; ++k) {
+      least = std::min(least, std::min(differences[k].sigmas / options.motion_agreement_sigmas,
+                                       differences[k].pct / options.motion_agreement_pct));
+    }
+    worst = std::max(worst.value_or(0.0), least);
+  }
+  return worst;
+}
+
 // A step is as far off as the smaller of its two shares of the limits; the gates show the step
 // that nine out of ten are better than.
 void JudgeMotion(const GateInputs& inputs, const AdjustmentGateOptions& options, Gates& gates) {
   constexpr double kShare = 0.9;
   std::optional<double> sigmas, pct;
   auto differences = StepDifferences(inputs);
+  gates.push_back(
+      AtMost("motion_agreement_window", WorstWindow(differences, options), 1.0,
+             "three steps on end in which map and odometry differ, in limits of the two "
+             "gates on all steps"));
   if (!differences.empty()) {
     const auto excess = [&](const StepDifference& step) {
       return std::min(step.sigmas / options.motion_agreement_sigmas,
@@ -191,12 +177,21 @@ Gates JudgeAdjustment(const GateInputs& inputs, const AdjustmentGateOptions& opt
 Gates JudgePoses(const GateInputs& inputs, const PoseGateOptions& options) {
   Gates gates;
   JudgePrediction(inputs, options, gates);
-  JudgeSigmas(inputs, options, gates);
+  JudgeAccuracy(inputs, options, gates);
   return gates;
 }
 
 Gates JudgePart(const GateInputs& inputs, const GateOptions& options) {
   Gates gates = JudgeMapping(ShapeOf(inputs.aligned), options.mapping);
+  if (inputs.adjustment.IsRigCorrected()) {
+    // The adjustment has begun again from the odometry: the result does not rest on what was mapped
+    // with the wrong rig.
+    for (Gate& gate : gates) {
+      if (gate.passed) continue;
+      gate.passed = true;
+      gate.why += " (a diagnostic: the rig was corrected since)";
+    }
+  }
   for (const Gates& more :
        {JudgePoses(inputs, options.poses), JudgeAdjustment(inputs, options.adjustment),
         JudgeCalibration(inputs, options.calibration)}) {

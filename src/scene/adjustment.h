@@ -43,10 +43,19 @@ struct Adjustment {
   // (m), then rotation (rad). Inflated for correlated residuals and for a corrected rig.
   std::vector<Matrix6d> covariances;
   std::vector<AdjustedPoint> points;
-  StereoRig rig;  // as calibrated, unless the part corrected it
+  StereoRig rig;                                 // as calibrated, unless the part corrected it
+  RigRefinement refined = RigRefinement::kNone;  // which of its parameters were free
   // By how much it was corrected, also in sigmas of the prior; zero if it was not.
   CalibrationVector rig_correction = CalibrationVector::Zero();
   CalibrationVector rig_correction_sigmas = CalibrationVector::Zero();
+  // By how much the correction moves the right image of what is infinitely far: the largest shift
+  // of any pixel, and the change of disparity in the middle of the image with the sigma of what is
+  // in use, corrected or not.
+  double correction_px = 0.0, infinity_offset_px = 0.0, infinity_offset_sigma_px = 0.0;
+  // Of the factor that a similarity alignment would find between the adjusted and the true
+  // positions: what noise and calibration leave unknown of it. Nothing for positions that hang on
+  // several datum frames or do not differ.
+  std::optional<double> scale_sigma;
   double noise_px = 0.0;         // robust sigma of one residual coordinate
   double reprojection_px = 0.0;  // median distance
   double outlier_share = 0.0;    // of all observations of tracks in the posed frames
@@ -58,8 +67,9 @@ struct Adjustment {
 
   template <class Archive>
   void serialize(Archive& archive) {
-    archive(world_from_left, datum_frames, covariances, points, rig, rig_correction,
-            rig_correction_sigmas, noise_px, reprojection_px, outlier_share, calibration);
+    archive(world_from_left, datum_frames, covariances, points, rig, refined, rig_correction,
+            rig_correction_sigmas, correction_px, infinity_offset_px, infinity_offset_sigma_px,
+            scale_sigma, noise_px, reprojection_px, outlier_share, calibration);
   }
 };
 

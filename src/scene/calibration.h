@@ -2,14 +2,18 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
+#include <vector>
 
+#include "core/enum_names.h"
 #include "geometry/serialize.h"
 
 namespace rigmap {
 
 // Parameters of a correction of a stereo rig, in this order: the right eye's rotation about its own
 // centre (rad, right camera axes), so that the baseline's length stays; the logarithm of a factor
-// on all focal lengths, and of another on the right eye's; principal points (px); k1 of both eyes.
+// on all focal lengths, and of another on the right eye's; principal points (px); of both eyes k1,
+// k2, p1 and p2 of OpenCV's distortion model.
 enum CalibrationParameter {
   kRotationX,
   kRotationY,
@@ -21,11 +25,34 @@ enum CalibrationParameter {
   kRightCx,
   kRightCy,
   kLeftK1,
+  kLeftK2,
+  kLeftP1,
+  kLeftP2,
   kRightK1,
+  kRightK2,
+  kRightP1,
+  kRightP2,
   kCalibrationSize
 };
 using CalibrationVector = Eigen::Matrix<double, kCalibrationSize, 1>;
 using CalibrationMatrix = Eigen::Matrix<double, kCalibrationSize, kCalibrationSize>;
+
+// Which parameters an adjustment corrects. kAuto: as many as the images tell.
+enum class RigRefinement { kNone, kRotation, kRotationAndFocal, kAllButFocal, kAll, kAuto };
+constexpr auto NamesOf(RigRefinement) {
+  return std::array{"none", "rotation", "rotation+focal", "all-but-focal", "all", "auto"};
+}
+
+// What a stretch of a part says of the calibration, the poses of the whole part following it.
+struct CalibrationBlock {
+  CalibrationVector score = CalibrationVector::Zero();
+  CalibrationMatrix information = CalibrationMatrix::Zero();
+
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(score, information);
+  }
+};
 
 // The normal equations of the adjustment once poses and points are eliminated, at the calibration
 // that was held: the free step x would solve information x = score.
@@ -34,10 +61,13 @@ struct CalibrationEquations {
   CalibrationMatrix information = CalibrationMatrix::Zero();  // as if observations were independent
   // Of the score, residuals of one track going together as they will.
   CalibrationMatrix score_covariance = CalibrationMatrix::Zero();
+  // Score and information by stretches of about equally many frames, in order: their sums are those
+  // of the whole.
+  std::vector<CalibrationBlock> blocks;
 
   template <class Archive>
   void serialize(Archive& archive) {
-    archive(score, information, score_covariance);
+    archive(score, information, score_covariance, blocks);
   }
 };
 

@@ -42,14 +42,15 @@ struct StereoRig {
   Rigid3 right_from_left;
   std::optional<Eigen::Vector3d> antenna_in_left;  // GPS antenna, left camera axes
   std::optional<Rigid3> imu_from_left;
-  std::string source;  // file it was read from, for messages
+  std::optional<double> baseline_sigma_m;  // of the baseline's length, where the file states it
+  std::string source;                      // file it was read from, for messages
 
   double Baseline() const { return right_from_left.translation.norm(); }
   const RigEye& Of(Eye eye) const { return eye == Eye::kLeft ? left : right; }
 
   template <class Archive>
   void serialize(Archive& archive) {
-    archive(left, right, right_from_left, antenna_in_left, imu_from_left, source);
+    archive(left, right, right_from_left, antenna_in_left, imu_from_left, baseline_sigma_m, source);
   }
 };
 

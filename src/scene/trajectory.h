@@ -28,12 +28,13 @@ struct TimedPose {
   // One standard deviation relative to the first posed frame, along and about the world axes:
   // x y z in metres, then rotations about x y z in radians.
   Vector6d sigmas = Vector6d::Zero();
+  Eigen::Matrix3d position_covariance = Eigen::Matrix3d::Zero();  // m^2, the same with correlations
   PoseSource source = PoseSource::kPredicted;
   bool keyframe = false;
 
   template <class Archive>
   void serialize(Archive& archive) {
-    archive(stamp_ns, world_from_left, sigmas, source, keyframe);
+    archive(stamp_ns, world_from_left, sigmas, position_covariance, source, keyframe);
   }
 };
 

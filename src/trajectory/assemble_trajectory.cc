@@ -98,6 +98,7 @@ TimedPose ToWorld(const OdometryFrame& frame, const Uncertain& pose, bool adjust
   };
   timed.sigmas << sigmas(covariance.topLeftCorner<3, 3>()),
       sigmas(covariance.bottomRightCorner<3, 3>());
+  timed.position_covariance = turn * covariance.topLeftCorner<3, 3>() * turn.transpose();
   timed.source = adjusted ? PoseSource::kAdjusted : frame.source;
   timed.keyframe = frame.keyframe;
   return timed;

@@ -30,7 +30,7 @@ TEST(AdjustmentOptions, EveryFieldIsReadByItsName) {
   EXPECT_EQ(options.rig_prior_deg, 7.0);
   EXPECT_EQ(options.focal_prior_pct, 7.0);
   EXPECT_EQ(options.principal_point_prior_px, 7.0);
-  EXPECT_EQ(options.distortion_prior, 7.0);
+  EXPECT_EQ(options.distortion_prior_px, 7.0);
   EXPECT_EQ(options.huber_sigmas, 7.0);
   EXPECT_EQ(options.outlier_sigmas, 7.0);
   EXPECT_EQ(options.min_noise_px, 7.0);

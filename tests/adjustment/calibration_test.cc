@@ -112,6 +112,8 @@ TEST_F(CalibrationTest, APriorAsSureAsTheImagesMeetsThemHalfway) {
 }
 
 TEST_F(CalibrationTest, LeftToItselfTheAdjustmentCorrectsOnlyWhatIsWrong) {
+  Make({.frames = 30, .curve_rad_per_m = 0.3, .points_per_m2 = 15.0, .seed = 81});
+  true_rig_ = rover_.rig;
   const MaybePoses poses = AllOf(rover_.world_from_left);
   const AdjustmentOptions options{.shared_noise = 1.0};  // no observation knows of another's noise
   const Adjustment right = Adjust(poses, options);
@@ -128,6 +130,7 @@ TEST_F(CalibrationTest, LeftToItselfTheAdjustmentCorrectsOnlyWhatIsWrong) {
   EXPECT_NEAR(wrong.rig.Baseline(), true_rig_.Baseline(), 1e-12);
   // What was changed is said in sigmas of the prior: half a per cent is one.
   EXPECT_NEAR(wrong.rig_correction_sigmas(kLogFocal), -1.0, 0.2);
+  EXPECT_GT(wrong.correction_px, 0.5);
   EXPECT_LT(std::abs(RotationAndFocalStep(*wrong.calibration)->log_focal), 0.0005);
 }
 
@@ -150,13 +153,157 @@ TEST_F(CalibrationTest, TurnsAloneLeaveTheFocalLength) {
 
 TEST_F(CalibrationTest, SigmasTakeInWhatTheRigIsNotKnownBy) {
   const MaybePoses poses = AllOf(rover_.world_from_left);
-  const Adjustment held = Adjust(poses, {.refine_rig = RigRefinement::kNone});
+  const Adjustment known = Adjust(poses, {.refine_rig = RigRefinement::kNone,
+                                          .rig_prior_deg = 1e-6,
+                                          .focal_prior_pct = 1e-6,
+                                          .principal_point_prior_px = 1e-6,
+                                          .distortion_prior_px = 1e-6});
   TurnRight(kTurn_rad * Eigen::Vector3d::UnitY());
   const Adjustment corrected = Adjust(poses);
   ASSERT_TRUE(corrected.IsRigCorrected());
-  const double of_held = held.covariances.back().topLeftCorner<3, 3>().trace();
+  const double of_known = known.covariances.back().topLeftCorner<3, 3>().trace();
   const double of_corrected = corrected.covariances.back().topLeftCorner<3, 3>().trace();
-  EXPECT_GT(of_corrected, 1.2 * of_held);
+  EXPECT_GT(of_corrected, 1.2 * of_known);
+}
+
+TEST_F(CalibrationTest, WhatIsNotCorrectedCountsAsWell) {
+  const MaybePoses poses = AllOf(rover_.world_from_left);
+  const AdjustmentOptions held{.refine_rig = RigRefinement::kNone};
+  AdjustmentOptions surer = held;
+  surer.rig_prior_deg = surer.focal_prior_pct = surer.principal_point_prior_px =
+      surer.distortion_prior_px = 1e-6;
+  const Adjustment doubted = Adjust(poses, held), sure = Adjust(poses, surer);
+  const auto variance_m2 = [](const Adjustment& adjustment) {
+    return adjustment.covariances.back().topLeftCorner<3, 3>().trace();
+  };
+  EXPECT_GT(variance_m2(doubted), 1.2 * variance_m2(sure));
+  ASSERT_TRUE(doubted.scale_sigma && sure.scale_sigma);
+  EXPECT_GT(*doubted.scale_sigma, *sure.scale_sigma);
+  EXPECT_GT(doubted.infinity_offset_sigma_px, 10.0 * sure.infinity_offset_sigma_px);
+}
+
+TEST_F(CalibrationTest, StretchesAddUpToTheWhole) {
+  TurnRight(kTurn_rad * Eigen::Vector3d::UnitX());
+  const Adjustment adjusted =
+      Adjust(AllOf(rover_.world_from_left), {.refine_rig = RigRefinement::kNone});
+  ASSERT_TRUE(adjusted.calibration);
+  const CalibrationEquations& whole = *adjusted.calibration;
+  ASSERT_EQ(whole.blocks.size(), 5U);  // of ten frames
+  CalibrationVector score = CalibrationVector::Zero();
+  CalibrationMatrix information = CalibrationMatrix::Zero();
+  for (const CalibrationBlock& block : whole.blocks) {
+    score += block.score;
+    information += block.information;
+    EXPECT_GT(block.information.trace(), 0.0);
+  }
+  EXPECT_LT((score - whole.score).norm(), 1e-6 * whole.score.norm());
+  EXPECT_LT((information - whole.information).norm(), 1e-6 * whole.information.norm());
+}
+
+// Equations of stretches in which one parameter is off by `off` of its prior sigmas, each stretch
+// knowing it to a tenth of the prior; `scatter` is how far the stretches disagree.
+CalibrationEquations Stretches(CalibrationParameter parameter, double off,
+                               const CalibrationVector& prior, const std::vector<double>& scatter) {
+  CalibrationEquations equations;
+  for (const double scattered : scatter) {
+    CalibrationBlock block;
+    block.information.diagonal() = 100.0 * prior.cwiseAbs2().cwiseInverse();
+    block.score(parameter) =
+        block.information(parameter, parameter) * (off + scattered) * prior(parameter);
+    equations.score += block.score;
+    equations.information += block.information;
+    equations.blocks.push_back(block);
+  }
+  equations.score_covariance = equations.information;
+  return equations;
+}
+
+TEST(NextRefinement, FreesTheFocalLengthLast) {
+  const AdjustmentOptions options;
+  const CalibrationVector prior = PriorSigmas(LocCamRig(), options),
+                          now = CalibrationVector::Zero();
+  const std::vector<double> alike(8, 0.0);
+  const auto next = [&](RigRefinement refined, CalibrationParameter parameter, double off,
+                        const std::vector<double>& scatter) {
+    return NextRefinement(refined, now, Stretches(parameter, off, prior, scatter), prior, options);
+  };
+  EXPECT_EQ(next(RigRefinement::kNone, kRotationY, 0.0, alike), RigRefinement::kNone);
+  EXPECT_EQ(next(RigRefinement::kNone, kRotationY, 2.0, alike), RigRefinement::kAllButFocal);
+  EXPECT_EQ(next(RigRefinement::kNone, kLogFocal, 2.0, alike), RigRefinement::kNone);
+  EXPECT_EQ(next(RigRefinement::kAllButFocal, kLogFocal, 2.0, alike), RigRefinement::kAll);
+  // Stretches that contradict each other do not confirm what they say together.
+  const std::vector<double> unlike{9.0, -9.0, 8.0, -8.0, 9.0, -9.0, 8.0, -8.0};
+  EXPECT_EQ(next(RigRefinement::kAllButFocal, kLogFocal, 2.0, unlike), RigRefinement::kAllButFocal);
+  // What hardly matters is left, however sure.
+  EXPECT_EQ(next(RigRefinement::kNone, kRotationY, 0.02, alike), RigRefinement::kNone);
+  // Told what to free, it does.
+  const AdjustmentOptions told{.refine_rig = RigRefinement::kRotation};
+  EXPECT_EQ(NextRefinement(RigRefinement::kNone, now, Stretches(kLogFocal, 0.0, prior, alike),
+                           prior, told),
+            RigRefinement::kRotation);
+}
+
+TEST(NextRefinement, NeedsStretchesToLeaveOut) {
+  const AdjustmentOptions options;
+  const CalibrationVector prior = PriorSigmas(LocCamRig(), options),
+                          now = CalibrationVector::Zero();
+  const CalibrationEquations few = Stretches(kRotationY, 2.0, prior, {0.0, 0.0, 0.0});
+  EXPECT_FALSE(GainOfRefining(RigRefinement::kNone, RigRefinement::kAll, now, few, prior, options));
+  EXPECT_EQ(NextRefinement(RigRefinement::kNone, now, few, prior, options), RigRefinement::kNone);
+}
+
+TEST(CalibrationError, OfAFocalLengthThatWasNotConfirmedIsThePriors) {
+  const AdjustmentOptions options;
+  const CalibrationVector prior = PriorSigmas(LocCamRig(), options),
+                          now = CalibrationVector::Zero();
+  const CalibrationEquations equations =
+      Stretches(kLogFocal, 3.0, prior, std::vector<double>(8, 0.0));
+  const auto sigma = [&](RigRefinement refined) {
+    const CalibrationMatrix error = CalibrationError(refined, now, equations, prior, options);
+    return std::sqrt(error(kLogFocal, kLogFocal)) / prior(kLogFocal);
+  };
+  EXPECT_NEAR(sigma(RigRefinement::kAllButFocal), 1.0, 1e-6);
+  // Where it was not asked, how far it is off counts.
+  EXPECT_GT(sigma(RigRefinement::kNone), 2.5);
+  const CalibrationEquations agreeing =
+      Stretches(kLogFocal, 0.0, prior, std::vector<double>(8, 0.0));
+  EXPECT_LT(std::sqrt(CalibrationError(RigRefinement::kAllButFocal, now, agreeing, prior, options)(
+                kLogFocal, kLogFocal)),
+            0.2 * prior(kLogFocal));
+}
+
+TEST(PriorSigmas, OfDistortionMoveThePixelInTheCornerAlike) {
+  const StereoRig rig = LocCamRig();
+  const AdjustmentOptions options;
+  const CalibrationVector prior = PriorSigmas(rig, options);
+  const Camera& camera = rig.left.camera;
+  Camera plain = camera;
+  plain.k1 = plain.k2 = plain.p1 = plain.p2 = 0.0;
+  // As far from the principal point as half a diagonal, where a tangential term is largest.
+  const double corner = 0.5 * std::hypot(camera.width, camera.height) / camera.MeanFocal();
+  for (int i = 0; i < 4; ++i) {
+    Camera bent = plain;
+    bent.k1 += i == 0 ? prior(kLeftK1) : 0.0;
+    bent.k2 += i == 1 ? prior(kLeftK2) : 0.0;
+    bent.p1 += i == 2 ? prior(kLeftP1) : 0.0;
+    bent.p2 += i == 3 ? prior(kLeftP2) : 0.0;
+    const Eigen::Vector2d at = i == 2 ? Eigen::Vector2d(0.0, corner) : Eigen::Vector2d(corner, 0.0);
+    EXPECT_NEAR((Distort(bent, at) - Distort(plain, at)).norm(), options.distortion_prior_px,
+                0.02 * options.distortion_prior_px);
+  }
+}
+
+TEST(RightPixelAtInfinity, ShiftsWithTheRightEye) {
+  StereoRig rig = LocCamRig();
+  const StereoRig given = rig;
+  EXPECT_EQ(LargestShiftPx(given, rig), 0.0);
+  rig.right.camera.cx += 3.0;
+  EXPECT_NEAR(DisparityAtInfinity(rig) - DisparityAtInfinity(given), -3.0, 1e-9);
+  EXPECT_NEAR(LargestShiftPx(given, rig), 3.0, 1e-9);
+  CalibrationVector turn = CalibrationVector::Zero();
+  turn(kRotationY) = 0.001;
+  EXPECT_NEAR(LargestShiftPx(given, Corrected(given, turn)), 0.001 * given.right.camera.fx,
+              1.0);  // more in the corners
 }
 
 }  // namespace

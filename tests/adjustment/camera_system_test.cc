@@ -82,6 +82,46 @@ TEST_F(CameraSystemTest, CovariancesAreThoseOfTheWholeSystem) {
   }
 }
 
+TEST_F(CameraSystemTest, ScaleIsThatOfASimilarityAlignment) {
+  Make({.frames = 5, .points_per_m2 = 2.0, .seed = 57});
+  const double noise_px = 0.3;
+  const int size = 24 + 3 * static_cast<int>(points_.size());
+  const Eigen::MatrixXd covariance = noise_px * noise_px *
+                                     DenseNormalMatrix(points_, left_from_world_, rover_.rig)
+                                         .ldlt()
+                                         .solve(Eigen::MatrixXd::Identity(size, size));
+  std::vector<Eigen::Vector3d> positions;
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  for (const auto& pose : left_from_world_) {
+    positions.push_back(pose->Inverse().translation);
+    mean += positions.back() / 5.0;
+  }
+  double squares = 0.0;
+  Eigen::VectorXd functional = Eigen::VectorXd::Zero(size);
+  for (int frame = 0; frame < 5; ++frame) {
+    const Eigen::Vector3d arm = positions[frame] - mean;
+    squares += arm.squaredNorm();
+    for (int axis = 0; axis < 6 && frame > 0; ++axis) {
+      constexpr double kStep = 1e-6;
+      Rigid3 moved = *left_from_world_[frame];
+      const Vector6d delta = kStep * Vector6d::Unit(axis);
+      moved.rotation = ExpRotation(delta.head<3>()) * moved.rotation;
+      moved.translation += delta.tail<3>();
+      functional(6 * (frame - 1) + axis) =
+          arm.dot(moved.Inverse().translation - positions[frame]) / kStep;
+    }
+  }
+  functional /= squares;
+  const CameraSystemResult result = Solve(noise_px);
+  ASSERT_TRUE(result.scale);
+  // Correlations within tracks can only add.
+  const double independent = functional.dot(covariance * functional);
+  EXPECT_GT(result.scale->variance, 0.999 * independent);
+  EXPECT_LT(result.scale->variance, 3.0 * independent);
+  // Of an exact rig with longer focal lengths all is longer along the path, or shorter.
+  EXPECT_GT(std::abs(result.scale->by_calibration(kLogFocal)), 0.1);
+}
+
 TEST_F(CameraSystemTest, TheFirstFrameIsCertainAndDoubtGrowsAlongThePath) {
   Make({.frames = 12, .points_per_m2 = 5.0, .seed = 52});
   const CameraSystemResult result = Solve(0.2);

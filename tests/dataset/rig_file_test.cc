@@ -70,6 +70,15 @@ TEST_F(RigFileTest, ReadsTheSample) {
   EXPECT_EQ(rig.source, (folder_.Path() / "rig.yaml").string());
 }
 
+TEST_F(RigFileTest, MayStateHowWellTheBaselineIsKnown) {
+  EXPECT_FALSE(Read(SampleRigText()).baseline_sigma_m);
+  const StereoRig rig = Read(SampleRigText() + "sigmas: {baseline_m: 0.0002}\n");
+  EXPECT_EQ(rig.baseline_sigma_m, 0.0002);
+  EXPECT_EQ(Read(WriteRigFile(rig)).baseline_sigma_m, 0.0002);
+  EXPECT_THAT(ComplaintAbout("sigmas: {baseline_m: -1}"), HasSubstr("expected a sigma, found -1"));
+  EXPECT_THAT(ComplaintAbout("sigmas: {focal: 1}"), HasSubstr("focal"));
+}
+
 TEST_F(RigFileTest, WriteAndReadAreInverse) {
   std::mt19937 random(11);
   std::uniform_real_distribution<double> number(-0.02, 0.02);

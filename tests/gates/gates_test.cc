@@ -39,6 +39,7 @@ class GatesTest : public testing::Test {
       timed.stamp_ns = i;
       timed.world_from_left = pose;
       timed.sigmas.setConstant(0.0001);
+      timed.position_covariance = 1e-8 * Eigen::Matrix3d::Identity();
       timed.source = PoseSource::kAdjusted;
     }
     adjustment_.reprojection_px = 0.1;
@@ -98,13 +99,13 @@ TEST_F(GatesTest, HealthyPartPassesThemAllOnceEach) {
   for (const Gate& gate : All()) {
     EXPECT_TRUE(gate.passed) << gate.name;
     // The rig was not corrected.
-    EXPECT_EQ(gate.value.has_value(), gate.name != "rig_refinement_sigmas") << gate.name;
+    EXPECT_EQ(gate.value.has_value(), gate.name != "rig_refinement_px") << gate.name;
     names.push_back(gate.name);
   }
   EXPECT_THAT(names,
               testing::UnorderedElementsAre(
                   "baseline_spread", "baseline_rejected", "registered", "predicted",
-                  "position_sigma_pct", "scale_sigma_pct", "rig_refinement_sigmas",
+                  "position_95_pct", "scale_95_pct", "rig_refinement_px", "motion_agreement_window",
                   "motion_agreement_sigmas", "motion_agreement_pct", "reprojection_px",
                   "outlier_share", "epipolar_px", "rig_consistency_deg", "rig_consistency_sigmas",
                   "intrinsics_consistency_pct", "intrinsics_consistency_sigmas"));
@@ -295,50 +296,60 @@ TEST_F(GatesTest, FocalCorrectionIsJudgedInPerCentOrSigmas) {
 }
 
 TEST_F(GatesTest, CorrectionsOfTheRigAreJudgedInSigmasOfACalibration) {
-  adjustment_.rig_correction_sigmas.head<4>() << 0.0, -3.001, 0.5, 1.0;
-  EXPECT_NEAR(*Judge("rig_refinement_sigmas").value, 3.001, 1e-12);
-  EXPECT_FALSE(Judge("rig_refinement_sigmas").passed);
-  adjustment_.rig_correction_sigmas(1) = 2.999;
-  EXPECT_TRUE(Judge("rig_refinement_sigmas").passed);
+  const double limit_px = options_.calibration.rig_refinement_share * rig_.left.camera.width;
+  adjustment_.rig_correction_sigmas(1) = 12.0;
+  adjustment_.correction_px = limit_px + 0.001;
+  EXPECT_NEAR(*Judge("rig_refinement_px").value, limit_px + 0.001, 1e-12);
+  EXPECT_FALSE(Judge("rig_refinement_px").passed);
+  adjustment_.correction_px = limit_px - 0.001;
+  EXPECT_TRUE(Judge("rig_refinement_px").passed);
   adjustment_.rig_correction_sigmas.setZero();
-  EXPECT_FALSE(Judge("rig_refinement_sigmas").value);
+  EXPECT_FALSE(Judge("rig_refinement_px").value);
 }
 
-TEST_F(GatesTest, PositionsHaveToBeKnownToAShareOfThePath) {
-  // Behind a step that was guessed half of the frames of 5.5 m are uncertain by 4 cm.
-  for (int i = 6; i < 12; ++i) trajectory_[i].sigmas.head<3>() << 0.04, 0.0, 0.0;
-  EXPECT_NEAR(*Judge("position_sigma_pct").value, 100.0 * 0.04 / std::sqrt(2.0) / 5.5, 1e-3);
-  EXPECT_FALSE(Judge("position_sigma_pct").passed);
-  // Half a metre: as of a whole one.
-  for (TimedPose& pose : trajectory_) pose.world_from_left.translation /= 11.0;
-  EXPECT_NEAR(*Judge("position_sigma_pct").value, 100.0 * 0.04 / std::sqrt(2.0), 1e-3);
-  for (TimedPose& pose : trajectory_) pose.world_from_left.translation *= 11.0;
-  // Frames that say themselves that they were guessed are another gate's.
-  for (int i = 6; i < 12; ++i) trajectory_[i].source = PoseSource::kPredicted;
-  EXPECT_TRUE(Judge("position_sigma_pct").passed);
-  // A rig that stands has no path.
-  for (TimedPose& pose : trajectory_) pose.world_from_left.translation.setZero();
-  EXPECT_FALSE(Judge("position_sigma_pct").value);
+TEST_F(GatesTest, ShapeMappedWithAWrongRigIsADiagnostic) {
+  aligned_.models[0].scale.relative_spread = 2.0 * options_.mapping.baseline_spread;
+  EXPECT_FALSE(Judge("baseline_spread").passed);
+  adjustment_.rig_correction_sigmas(1) = 1.0;
+  EXPECT_TRUE(Judge("baseline_spread").passed);
+  EXPECT_THAT(Judge("baseline_spread").why, HasSubstr("diagnostic"));
+  aligned_.world_from_left.assign(aligned_.world_from_left.size(), std::nullopt);
+  EXPECT_TRUE(Judge("registered").passed);
 }
 
-TEST_F(GatesTest, TheFarthestFramesDistanceHasToBeKnown) {
-  // 5.5 m along z; what is sideways does not matter.
-  trajectory_.back().sigmas.head<3>() << 0.5, 0.5, 0.0056;
-  EXPECT_NEAR(*Judge("scale_sigma_pct").value, 0.56 / 5.5, 1e-3);
-  EXPECT_FALSE(Judge("scale_sigma_pct").passed);
-  trajectory_.back().sigmas.z() = 0.0054;
-  EXPECT_TRUE(Judge("scale_sigma_pct").passed);
-  // Of a short way it is millimetres that count.
-  for (TimedPose& pose : trajectory_) pose.world_from_left.translation /= 11.0;
-  trajectory_.back().sigmas.z() = 0.0007;
-  EXPECT_NEAR(*Judge("scale_sigma_pct").value, 0.07, 1e-9);
-  for (TimedPose& pose : trajectory_) pose.world_from_left.translation *= 11.0;
-  // A guess is not what the distance is taken to.
-  trajectory_.back().sigmas.z() = 1.0;
-  trajectory_.back().source = PoseSource::kPredicted;
-  EXPECT_TRUE(Judge("scale_sigma_pct").passed);
-  for (TimedPose& pose : trajectory_) pose.world_from_left.translation.setZero();
-  EXPECT_FALSE(Judge("scale_sigma_pct").value);
+TEST_F(GatesTest, ThreeTornStepsOnEndAreNotForgivenAmongMany) {
+  // Of 100 steps three are torn: the 90th percentile does not show them.
+  while (odometry_.size() < 100) {
+    const int i = static_cast<int>(odometry_.size());
+    OdometryFrame frame = odometry_.back();
+    frame.stamp_ns = i;
+    frame.reference = i - 1;
+    frame.world_from_left.translation.z() += kStep_m;
+    odometry_.push_back(frame);
+    adjustment_.world_from_left.push_back(frame.world_from_left);
+  }
+  const Rigid3 torn{Eigen::Quaterniond::Identity(), {0.1 * kStep_m, 0.0, 0.0}};
+  for (const int frame : {40, 41}) Shift(frame, torn);
+  EXPECT_TRUE(Judge("motion_agreement_window").passed);
+  Shift(42, torn);
+  EXPECT_TRUE(Judge("motion_agreement_pct").passed);
+  EXPECT_FALSE(Judge("motion_agreement_window").passed);
+}
+
+TEST_F(GatesTest, AccuracyIsJudgedByWhatIsAskedFor) {
+  adjustment_.scale_sigma = 0.004;
+  EXPECT_NEAR(*Judge("scale_95_pct").value, 0.784, 1e-9);
+  EXPECT_TRUE(Judge("scale_95_pct").passed);
+  options_.poses.accuracy_pct = 0.5;
+  EXPECT_FALSE(Judge("scale_95_pct").passed);
+  // Half a decimetre of 5.5 m.
+  options_.poses.accuracy_pct = 1.0;
+  trajectory_[7].position_covariance.setZero();
+  trajectory_[7].position_covariance(0, 0) = 0.05 * 0.05;
+  EXPECT_NEAR(*Judge("position_95_pct").value, 100.0 * 1.96 * 0.05 / 5.5, 0.05);
+  EXPECT_FALSE(Judge("position_95_pct").passed);
+  trajectory_[7].source = PoseSource::kPredicted;  // says itself that it was guessed
+  EXPECT_TRUE(Judge("position_95_pct").passed);
 }
 
 TEST_F(GatesTest, WhatWasNotDoneDoesNotApplyAndPasses) {
@@ -348,7 +359,7 @@ TEST_F(GatesTest, WhatWasNotDoneDoesNotApplyAndPasses) {
   adjustment_.calibration.reset();
   for (const char* name :
        {"baseline_spread", "baseline_rejected", "registered", "reprojection_px", "outlier_share",
-        "rig_refinement_sigmas", "epipolar_px", "rig_consistency_deg", "rig_consistency_sigmas",
+        "rig_refinement_px", "epipolar_px", "rig_consistency_deg", "rig_consistency_sigmas",
         "intrinsics_consistency_pct", "intrinsics_consistency_sigmas"}) {
     EXPECT_FALSE(Judge(name).value) << name;
     EXPECT_TRUE(Judge(name).passed) << name;

@@ -73,6 +73,7 @@ TEST_F(CommandLine, WrongUsageEndsWithTwo) {
   EXPECT_THAT(PartFails(2, {"--threads", "many"}), HasSubstr("--threads"));
   EXPECT_THAT(PartFails(2, {"--threads", "0"}), HasSubstr("--threads"));
   EXPECT_THAT(PartFails(2, {"--memory", "1"}), HasSubstr("--memory"));
+  EXPECT_THAT(PartFails(2, {"--accuracy", "0"}), HasSubstr("accuracy_pct"));
   EXPECT_THAT(PartFails(2, {"--format", "kitti"}), HasSubstr("--format"));
   EXPECT_FALSE(fs::exists(out_));
 }

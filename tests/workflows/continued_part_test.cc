@@ -96,7 +96,7 @@ TEST_F(ContinuedPart, MovedWithItsDataIsDoneAlready) {
   EXPECT_EQ(Published(), before);
   const json summary = Summary();
   EXPECT_EQ(summary["stages"].size(), 13U);
-  EXPECT_EQ(summary["gates"].size(), 17U);
+  EXPECT_EQ(summary["gates"].size(), 18U);
   // Links lead to where the images are now.
   for (const auto& link : fs::directory_iterator(out_ / "colmap" / "images" / "left")) {
     EXPECT_THAT(fs::read_symlink(link.path()).string(), StartsWith(data.string()));
@@ -126,6 +126,19 @@ TEST_F(ContinuedPart, JudgedByOtherLimitsMakesNothingAnew) {
   EXPECT_THAT(Made(), IsEmpty());
   EXPECT_EQ(Summary()["status"], "untrusted");
   EXPECT_THAT(Summary()["reason"].get<std::string>(), HasSubstr("epipolar_px"));
+}
+
+TEST_F(ContinuedPart, AskedToBeBetterThanItIsMakesNothingAnewAndSaysSo) {
+  const double scale_95_pct = Summary()["verdict"]["scale_95_pct"];
+  ASSERT_GT(scale_95_pct, 0.0);
+  const ProgramEnd end = Continue({"--accuracy", std::to_string(0.5 * scale_95_pct)});
+  EXPECT_EQ(end.exit_code, 3);
+  EXPECT_THAT(end.LastErrorLine(), HasSubstr("gate scale_95_pct"));
+  EXPECT_THAT(Made(), IsEmpty());
+  EXPECT_EQ(Summary()["status"], "untrusted");
+  EXPECT_THAT(Summary()["verdict"]["text"].get<std::string>(),
+              StartsWith("consistent, but not as good"));
+  EXPECT_EQ(Continue({"--accuracy", "50"}).exit_code, 0);
 }
 
 TEST_F(ContinuedPart, OfOtherFramesIsRefusedAndNothingIsLost) {
@@ -233,7 +246,7 @@ TEST_F(ContinuedPart, MadeTwiceAtATimeInOneProcessIsTheSame) {
   for (const char* name : {"a", "b"}) {
     out_ = folder_.Path() / name;
     EXPECT_EQ(Published(), expected) << name;
-    EXPECT_EQ(Summary()["gates"].size(), 17U);
+    EXPECT_EQ(Summary()["gates"].size(), 18U);
   }
 }
 

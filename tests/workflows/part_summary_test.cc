@@ -37,7 +37,7 @@ TEST_F(PartSummaryTest, HasAllKeysEvenWhereNothingWasReached) {
   const Report summary = Written();
   for (const char* key :
        {"status", "reason", "technique", "world_up", "stages", "frames", "revisits", "health",
-        "mapping", "scale", "rig", "gates", "versions", "command"}) {
+        "mapping", "scale", "rig", "gates", "verdict", "versions", "command"}) {
     EXPECT_TRUE(summary.contains(key)) << key;
   }
   for (const char* key : {"read", "paired", "keyframes", "registered", "posed"}) {
@@ -113,6 +113,31 @@ TEST_F(PartSummaryTest, FailedGateMakesThePartUntrusted) {
                                          {"limit", 1.0},
                                          {"passed", false},
                                          {"why", "too much of c"}}));
+}
+
+Report VerdictReport(double value, bool passed, const std::string& name) {
+  Report report = GateReport(name.c_str(), value, passed);
+  report["verdict"] = {{"text", "metres good to 0.4 % (95 %)"},
+                       {"scale_95_pct", 0.4},
+                       {"position_95_m", 0.05},
+                       {"accuracy_asked_pct", 1.0}};
+  return report;
+}
+
+TEST_F(PartSummaryTest, VerdictSaysWhetherFiguresHoldAndHowGoodTheyAre) {
+  EXPECT_TRUE(Written()["verdict"]["text"].is_null());
+  Add("gates", VerdictReport(0.4, true, "scale_95_pct"), false);
+  EXPECT_EQ(Written()["verdict"]["text"], "metres good to 0.4 % (95 %)");
+  EXPECT_EQ(Written()["verdict"]["scale_95_pct"], 0.4);
+  EXPECT_EQ(Judge(ledger_).verdict, "metres good to 0.4 % (95 %)");
+  Add("gates", VerdictReport(1.4, false, "scale_95_pct"), false);
+  EXPECT_EQ(
+      Written()["verdict"]["text"],
+      "consistent, but not as good as the 1 % of the path asked for: metres good to 0.4 % (95 %)");
+  // What contradicts itself is said first, though it came last.
+  Add("depth_gates", GateReport("c", 3.0, false), false);
+  EXPECT_THAT(Written()["verdict"]["text"].get<std::string>(),
+              StartsWith("inconsistent: too much of c"));
 }
 
 TEST_F(PartSummaryTest, FailureIsTheReasonWhateverTheGatesSay) {

@@ -50,12 +50,13 @@ struct Adjuster {
 
   AdjustedPart From(StartingFrom from) const {
     return From(from == StartingFrom::kMapping ? mapped : std::vector<std::optional<Rigid3>>(),
-                odometry, CalibrationVector::Zero());
+                odometry, RigRefinement::kNone, CalibrationVector::Zero());
   }
 
   // With the rig that `part` has found to be the right one.
   AdjustedPart WithItsRig(const AdjustedPart& part) const {
-    AdjustedPart anew = From({}, TrackWith(part.adjustment.rig), part.adjustment.rig_correction);
+    AdjustedPart anew = From({}, TrackWith(part.adjustment.rig), part.adjustment.refined,
+                             part.adjustment.rig_correction);
     anew.remarks.push_back(
         "the images contradict the calibration: the rig was corrected (rig_refined.yaml), the "
         "odometry done anew with it");
@@ -68,10 +69,10 @@ struct Adjuster {
 
  private:
   AdjustedPart From(const std::vector<std::optional<Rigid3>>& start, const Odometry& steps,
-                    const CalibrationVector& correction) const {
+                    RigRefinement refined, const CalibrationVector& correction) const {
     const auto starting = RelaxPoses(StartingPoses(steps, start), steps, matches.loop_closures);
     const Adjustment adjustment =
-        AdjustBundle({matches, dataset.rig, starting, correction}, options);
+        AdjustBundle({matches, dataset.rig, starting, refined, correction}, options);
     return LayInWorld(dataset, steps, adjustment);
   }
 
@@ -126,15 +127,20 @@ void PublishAdjusted(Publication& publication, const StageContext&, const Adjust
 }
 
 // How the rig was corrected: the turn of the right eye about its own axes, the focal lengths'
-// change.
-Report DescribeRigChange(const StereoRig& calibrated, const StereoRig& used) {
+// change, what that moves in the right image; and how well the rig in use is known.
+Report DescribeRigChange(const StereoRig& calibrated, const Adjustment& adjustment) {
+  const StereoRig& used = adjustment.rig;
   const Eigen::Vector3d turn_deg =
       180.0 / std::numbers::pi *
       LogRotation(used.right_from_left.rotation * calibrated.right_from_left.rotation.conjugate());
   const double focal_pct = 100.0 * (used.left.camera.fx / calibrated.left.camera.fx - 1.0);
-  return {{"refined", !turn_deg.isZero() || focal_pct != 0.0},
+  return {{"refined", adjustment.IsRigCorrected()},
+          {"parameters", NameOf(adjustment.refined)},
           {"right_eye_turned_deg", {turn_deg.x(), turn_deg.y(), turn_deg.z()}},
-          {"focal_changed_pct", focal_pct}};
+          {"focal_changed_pct", focal_pct},
+          {"largest_shift_px", adjustment.correction_px},
+          {"infinity_offset_px", adjustment.infinity_offset_px},
+          {"infinity_offset_sigma_px", adjustment.infinity_offset_sigma_px}};
 }
 
 Report ReportAdjusted(const AdjustedPart& part, const Dataset& dataset, const FeatureStore&,
@@ -142,7 +148,7 @@ Report ReportAdjusted(const AdjustedPart& part, const Dataset& dataset, const Fe
                       const AlignedKeyframes&) {
   Report report = ReportTrajectory(part.trajectory, part.world_up);
   for (const std::string& remark : part.remarks) report["mapping"]["remarks"].push_back(remark);
-  report["rig"] = DescribeRigChange(dataset.rig, part.adjustment.rig);
+  report["rig"] = DescribeRigChange(dataset.rig, part.adjustment);
   return report;
 }
 

@@ -9,6 +9,13 @@
 
 namespace rigmap {
 
+// What is known of the scale of the positions: of the factor that a similarity alignment with the
+// true ones would find.
+struct ScaleKnowledge {
+  double variance = 0.0;  // of the observations, correlations within tracks counted
+  CalibrationVector by_calibration = CalibrationVector::Zero();  // its derivative
+};
+
 struct CameraSystemResult {
   // Per frame, its datum frame, whose pose was held (DatumFrames); itself for the frames held and
   // those without points.
@@ -26,6 +33,8 @@ struct CameraSystemResult {
   // Per frame, d(world_from_left)/d(calibration), as the adjusted pose follows it: translation (m)
   // and rotation in world axes. Zero for datum frames; empty without calibration.
   std::vector<Eigen::Matrix<double, 6, kCalibrationSize>> by_calibration;
+  // Nothing without calibration, with several datum frames or for a rig that stands.
+  std::optional<ScaleKnowledge> scale;
 };
 
 // Linearises all observations at the adjusted state (weights as Huber's at `huber_px`, noise

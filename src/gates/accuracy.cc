@@ -1,0 +1,73 @@
+#include "gates/accuracy.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace rigmap {
+namespace {
+
+constexpr double kSigmas95 = 1.960;
+// Of a way shorter than this it is millimetres that count, not shares of it.
+constexpr double kShortWay_m = 1.0;
+
+double PathLength(const Trajectory& trajectory) {
+  double path_m = 0.0;
+  for (std::size_t i = 1; i < trajectory.size(); ++i) {
+    path_m +=
+        (trajectory[i].world_from_left.translation - trajectory[i - 1].world_from_left.translation)
+            .norm();
+  }
+  return path_m;
+}
+
+// Relative sigma of the distance from the first frame to the farthest measured one.
+std::optional<double> FarthestSigma(const Trajectory& trajectory) {
+  double farthest_m = 0.0;
+  std::optional<double> sigma;
+  for (const TimedPose& pose : trajectory) {
+    if (pose.source == PoseSource::kPredicted) continue;
+    const Eigen::Vector3d way =
+        pose.world_from_left.translation - trajectory.front().world_from_left.translation;
+    if (way.norm() <= farthest_m) continue;
+    farthest_m = way.norm();
+    const Eigen::Vector3d direction = way / farthest_m;
+    sigma = std::sqrt(std::max(0.0, direction.dot(pose.position_covariance * direction))) /
+            std::max(kShortWay_m, farthest_m);
+  }
+  return sigma;
+}
+
+}  // namespace
+
+double Radius95(const Eigen::Matrix3d& covariance) {
+  constexpr double kNormal95 = 1.645;
+  const double trace = covariance.trace();
+  if (!(trace > 0.0)) return 0.0;
+  const double freedom = trace * trace / (covariance * covariance).trace();
+  const double spread = 2.0 / (9.0 * freedom);
+  return std::sqrt(trace * std::pow(1.0 - spread + kNormal95 * std::sqrt(spread), 3.0));
+}
+
+Accuracy AccuracyOf(const Trajectory& trajectory, const Adjustment& adjustment,
+                    const StereoRig& rig) {
+  Accuracy accuracy{.path_m = PathLength(trajectory)};
+  if (trajectory.empty() || accuracy.path_m < rig.Baseline()) return accuracy;
+  const double of_baseline = rig.baseline_sigma_m.value_or(0.0) / rig.Baseline();
+  const auto scale = adjustment.scale_sigma ? adjustment.scale_sigma : FarthestSigma(trajectory);
+  if (scale) accuracy.scale_95_pct = 100.0 * kSigmas95 * std::hypot(*scale, of_baseline);
+  for (const TimedPose& pose : trajectory) {
+    if (pose.source == PoseSource::kPredicted) continue;
+    const Eigen::Vector3d way =
+        pose.world_from_left.translation - trajectory.front().world_from_left.translation;
+    const double radius_m =
+        Radius95(pose.position_covariance + of_baseline * of_baseline * way * way.transpose());
+    accuracy.position_95_m = std::max(accuracy.position_95_m.value_or(0.0), radius_m);
+  }
+  if (accuracy.position_95_m) {
+    accuracy.position_95_pct =
+        100.0 * *accuracy.position_95_m / std::max(kShortWay_m, accuracy.path_m);
+  }
+  return accuracy;
+}
+
+}  // namespace rigmap

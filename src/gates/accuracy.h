@@ -1,0 +1,32 @@
+// How good the poses of a part are, by what they say of themselves.
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+
+#include "scene/adjustment.h"
+#include "scene/rig.h"
+#include "scene/trajectory.h"
+
+namespace rigmap {
+
+// At 95 %, relative to the first posed frame, the baseline's own sigma counted where the rig states
+// it. Nothing for a rig that stands: whose path is shorter than its baseline.
+struct Accuracy {
+  double path_m = 0.0;
+  std::optional<double> scale_95_pct;     // half of the interval that holds the true scale
+  std::optional<double> position_95_m;    // radius about the worst measured position
+  std::optional<double> position_95_pct;  // of the path, or of a metre if that is longer
+};
+
+// The scale is the adjustment's where it knows one, else that of the way to the farthest measured
+// frame. Predicted frames are left out.
+Accuracy AccuracyOf(const Trajectory& trajectory, const Adjustment& adjustment,
+                    const StereoRig& rig);
+
+// Radius of the sphere that holds a normally distributed error with 95 %, to 2 % (the weighted sum
+// of squares taken as a scaled chi square, Satterthwaite 1946; its quantile by Wilson and Hilferty
+// 1931).
+double Radius95(const Eigen::Matrix3d& covariance);
+
+}  // namespace rigmap

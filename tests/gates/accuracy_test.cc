@@ -1,0 +1,94 @@
+#include "gates/accuracy.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tests/support/seeded_random.h"
+#include "tests/support/synthetic_rover.h"
+
+namespace rigmap {
+namespace {
+
+TEST(Radius95, HoldsNineteenOfTwentyErrors) {
+  SeededRandom random;
+  for (const Eigen::Vector3d& sigmas :
+       {Eigen::Vector3d(1.0, 1.0, 1.0), Eigen::Vector3d(3.0, 1.0, 0.1),
+        Eigen::Vector3d(1.0, 0.0, 0.0), Eigen::Vector3d(2.0, 2.0, 0.2)}) {
+    const Eigen::Matrix3d turn = random.Motion(1.0).rotation.toRotationMatrix();
+    const Eigen::Matrix3d covariance = turn * sigmas.cwiseAbs2().asDiagonal() * turn.transpose();
+    const double radius = Radius95(covariance);
+    int inside = 0;
+    constexpr int kDraws = 20000;
+    for (int i = 0; i < kDraws; ++i) {
+      const Eigen::Vector3d error(random.Normal(sigmas.x()), random.Normal(sigmas.y()),
+                                  random.Normal(sigmas.z()));
+      if (error.norm() <= radius) ++inside;
+    }
+    EXPECT_NEAR(static_cast<double>(inside) / kDraws, 0.95, 0.01) << sigmas.transpose();
+  }
+  EXPECT_EQ(Radius95(Eigen::Matrix3d::Zero()), 0.0);
+}
+
+// Ten steps of half a metre along x.
+Trajectory Drive() {
+  Trajectory trajectory;
+  for (int i = 0; i <= 10; ++i) {
+    TimedPose& pose = trajectory.emplace_back();
+    pose.stamp_ns = i;
+    pose.world_from_left.translation.x() = 0.5 * i;
+    pose.source = PoseSource::kOdometry;
+  }
+  return trajectory;
+}
+
+TEST(AccuracyOf, TakesTheScaleOfTheAdjustmentElseOfTheFarthestFrame) {
+  Trajectory trajectory = Drive();
+  Adjustment adjustment;
+  // Along the way and sideways; correlations count: sideways sigmas alone say nothing of the scale.
+  trajectory.back().position_covariance << 0.0004, 0.0003, 0.0, 0.0003, 0.01, 0.0, 0.0, 0.0, 0.0;
+  const Accuracy by_distance = AccuracyOf(trajectory, adjustment, LocCamRig());
+  EXPECT_NEAR(by_distance.scale_95_pct.value(), 100.0 * 1.96 * 0.02 / 5.0, 1e-9);
+  EXPECT_NEAR(by_distance.path_m, 5.0, 1e-12);
+  adjustment.scale_sigma = 0.001;
+  EXPECT_NEAR(AccuracyOf(trajectory, adjustment, LocCamRig()).scale_95_pct.value(), 0.196, 1e-9);
+}
+
+TEST(AccuracyOf, OfAWayThatTurnsTheDirectionCounts) {
+  // 2 mm known along a slanting way, whose coordinates are known to 1 cm each: they err together.
+  Trajectory trajectory = Drive();
+  for (TimedPose& pose : trajectory) {
+    const double x = pose.world_from_left.translation.x();
+    pose.world_from_left.translation = Eigen::Vector3d(x, x, 0.0) / std::sqrt(2.0);
+  }
+  const Eigen::Vector3d along = Eigen::Vector3d(1.0, 1.0, 0.0).normalized(),
+                        across = Eigen::Vector3d(1.0, -1.0, 0.0).normalized();
+  trajectory.back().position_covariance =
+      4e-6 * along * along.transpose() + 2e-4 * across * across.transpose();
+  const auto scale = AccuracyOf(trajectory, {}, LocCamRig()).scale_95_pct;
+  EXPECT_NEAR(scale.value(), 100.0 * 1.96 * 0.002 / 5.0, 1e-9);
+}
+
+TEST(AccuracyOf, CountsTheStatedSigmaOfTheBaseline) {
+  const Trajectory trajectory = Drive();
+  Adjustment adjustment;
+  adjustment.scale_sigma = 0.0;
+  StereoRig rig = LocCamRig();
+  EXPECT_EQ(AccuracyOf(trajectory, adjustment, rig).scale_95_pct, 0.0);
+  rig.baseline_sigma_m = 0.01 * rig.Baseline();
+  const Accuracy accuracy = AccuracyOf(trajectory, adjustment, rig);
+  EXPECT_NEAR(accuracy.scale_95_pct.value(), 1.96, 1e-9);
+  EXPECT_NEAR(accuracy.position_95_m.value(), 1.96 * 0.05, 0.002);  // 5 m from the start
+}
+
+TEST(AccuracyOf, OfARigThatStandsThereIsNone) {
+  Trajectory trajectory = Drive();
+  for (TimedPose& pose : trajectory) pose.world_from_left.translation *= 0.01;
+  const Accuracy accuracy = AccuracyOf(trajectory, {}, LocCamRig());
+  EXPECT_FALSE(accuracy.scale_95_pct);
+  EXPECT_FALSE(accuracy.position_95_m);
+  EXPECT_FALSE(AccuracyOf({}, {}, LocCamRig()).scale_95_pct);
+}
+
+}  // namespace
+}  // namespace rigmap
