@@ -16,8 +16,6 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-constexpr const char* kPython = "/usr/bin/python3";  // Debian's: it has numpy and scipy
-
 class RealData : public testing::Test {
  protected:
   void SetUp() override {

@@ -9,6 +9,8 @@
 
 namespace rigmap {
 
+inline constexpr const char* kPython = "/usr/bin/python3";  // Debian's: it has numpy and scipy
+
 struct ProgramEnd {
   int exit_code = -1;  // -1: ended by a signal
   std::string out, err;

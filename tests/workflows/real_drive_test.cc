@@ -1,0 +1,114 @@
+// Real drives, lenses and rig files as they are, up to the adjustment; they lie beside the project,
+// where RIGMAP_DATA says.
+#include <gmock/gmock.h>
+
+#include <cstdlib>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "core/file.h"
+#include "evaluation/trajectory_metrics.h"
+#include "export/tum.h"
+#include "tests/support/temporary_folder.h"
+#include "tests/workflows/rigmap_program.h"
+
+namespace rigmap {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+class RealDrive : public testing::Test {
+ protected:
+  void SetUp() override {
+    const char* data = std::getenv("RIGMAP_DATA");
+    if (!data) GTEST_SKIP() << "RIGMAP_DATA is not set";
+    data_ = data;
+  }
+  ProgramEnd Run(const std::string& drive, const std::vector<std::string>& more = {}) const {
+    std::vector<std::string> arguments{"part", "--dataset", data_ / drive, "--out",
+                                       out_,   "--until",   "adjustment",  "--quiet"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return RunRigmap(arguments);
+  }
+  json Summary() const { return json::parse(ReadTextFile(out_ / "summary.json")); }
+  std::vector<TumPose> Poses() const { return ReadTum(out_ / "trajectory.tum"); }
+
+  fs::path data_;
+  TemporaryFolder folder_;
+  fs::path out_ = folder_.Path() / "out";
+};
+
+// A rover in a sand yard. Its rig file is off by three pixels of disparity.
+TEST_F(RealDrive, InASandYardMendsItsWrongRigFile) {
+  const ProgramEnd end = Run("sand-line");
+  EXPECT_EQ(end.exit_code, 0) << end.err;
+  const json summary = Summary();
+  EXPECT_NEAR(summary["rig"]["infinity_offset_px"], 3.2, 0.5);
+  EXPECT_EQ(summary["frames"]["posed"], 127);
+  const fs::path scorer = data_ / ".." / "score" / "prism_metrics.py";
+  if (!fs::exists(scorer) || !fs::exists(kPython)) {
+    GTEST_SKIP() << "the scorer or Debian's python3 is missing: not compared with the prism";
+  }
+  const ProgramEnd scored = RunProgram(
+      kPython, {scorer, out_ / "trajectory.tum", data_ / "sand-line" / "groundtruth_xy.txt"});
+  ASSERT_EQ(scored.exit_code, 0) << scored.err;
+  const json metrics = json::parse(scored.out);
+  EXPECT_LE(metrics["rms_se2_m"], 0.005);
+  // The prism itself is good to a quarter of a per cent.
+  const double stated = summary["verdict"]["scale_95_pct"];
+  EXPECT_NEAR(metrics["scale_truth_over_est"], 1.0, 0.01 * std::min(0.6, stated + 0.25));
+}
+
+// No video: keyframes metres and seconds apart.
+TEST_F(RealDrive, OfSparseKeyframesInARoomIsMetric) {
+  const ProgramEnd end = Run("euroc-room");
+  EXPECT_EQ(end.exit_code, 0) << end.err;
+  const auto metrics =
+      CompareTrajectories(Poses(), ReadTum(data_ / "euroc-room" / "groundtruth_tum.txt"));
+  ASSERT_TRUE(metrics.aligned && metrics.aligned->scale);
+  EXPECT_LE(100.0 * metrics.aligned->ate_se3_m / metrics.true_path_m, 0.06);
+  const double stated = Summary()["verdict"]["scale_95_pct"];
+  EXPECT_NEAR(*metrics.aligned->scale, 1.0, 0.01 * (stated + 1.0));  // and a per cent of baseline
+}
+
+// Held by hand over flagstones and leaves, 320 x 240, distorted. Another program's odometry is the
+// second opinion.
+TEST_F(RealDrive, ThroughAGardenAgreesWithAnotherOdometry) {
+  const ProgramEnd end = Run("backyard", {"--frames", "0:90"});
+  EXPECT_EQ(end.exit_code, 0) << end.err;
+  std::ifstream file(data_ / "backyard" / "boofcv_vo_positions.txt");
+  const std::vector<TumPose> poses = Poses();
+  ASSERT_EQ(poses.size(), 90U);
+  std::vector<TumPose> other;
+  Eigen::Vector3d x;
+  while (other.size() < poses.size() && file >> x.x() >> x.y() >> x.z()) {
+    other.push_back({poses[other.size()].stamp_ns, {Eigen::Quaterniond::Identity(), x}});
+  }
+  ASSERT_EQ(other.size(), poses.size());
+  const auto metrics = CompareTrajectories(poses, other);
+  ASSERT_TRUE(metrics.aligned && metrics.aligned->scale);
+  EXPECT_LE(metrics.aligned->ate_se3_m, 0.06);
+  EXPECT_NEAR(*metrics.aligned->scale, 1.0, 0.01);
+  const json summary = Summary();
+  EXPECT_LT(summary["verdict"]["position_95_m"].get<double>(), 0.1);
+}
+
+// A car's rectified images, whose lens model lacks second-order terms: the focal length must not
+// make up for them. The published poses of its first pairs are of no use for metres.
+TEST_F(RealDrive, AlongAStreetMendsTheLensAndNotTheFocalLength) {
+  const ProgramEnd end = Run("kitti-street", {"--frames", "40:101", "--accuracy", "2"});
+  EXPECT_EQ(end.exit_code, 0) << end.err;
+  const json summary = Summary();
+  EXPECT_EQ(summary["rig"]["parameters"], "all-but-focal");
+  EXPECT_EQ(summary["rig"]["focal_changed_pct"], 0.0);
+  const auto metrics =
+      CompareTrajectories(Poses(), ReadTum(data_ / "kitti-street" / "groundtruth_tum.txt"));
+  ASSERT_TRUE(metrics.aligned && metrics.aligned->scale);
+  EXPECT_LE(100.0 * metrics.aligned->ate_se3_m / metrics.true_path_m, 0.2);
+  const double stated = summary["verdict"]["scale_95_pct"];
+  EXPECT_NEAR(*metrics.aligned->scale, 1.0, 0.01 * stated);
+}
+
+}  // namespace
+}  // namespace rigmap
