@@ -54,23 +54,30 @@ class Adjuster {
     constexpr double kStartErrorPx = 8.0;
     double max_error_px = kStartErrorPx;
     for (int round = 0; round < options_.rounds; ++round) {
-      // Before outliers are dropped there is no point in the last digits.
-      constexpr double kRoughTolerance = 1e-4;
       const bool last = round + 1 == options_.rounds;
       Round(max_error_px, last ? kFineTolerance : kRoughTolerance);
       max_error_px = options_.outlier_sigmas * noise_px_;
     }
     CameraSystemResult system = SolveSystem();
     constexpr int kMaxCorrections = 16;
-    for (int i = 0; i < kMaxCorrections && CorrectRig(system); ++i) {
-      Round(max_error_px, kFineTolerance);
+    int corrections = 0;
+    while (corrections < kMaxCorrections && CorrectRig(system)) {
+      Round(max_error_px, kRoughTolerance);
       max_error_px = options_.outlier_sigmas * noise_px_;
+      system = SolveSystem();
+      ++corrections;
+    }
+    if (corrections > 0) {
+      Round(max_error_px, kFineTolerance);
       system = SolveSystem();
     }
     return Result(std::move(system));
   }
 
  private:
+  // Before outliers are dropped and the rig has settled there is no point in the last digits.
+  static constexpr double kRoughTolerance = 1e-4;
+
   void Round(double max_error_px, double function_tolerance) {
     bundle_.points = TriangulateWithin(max_error_px);
     DropThinFrames();
@@ -123,7 +130,7 @@ class Adjuster {
     if (refined == RigRefinement::kNone) return false;
     const auto better = MostProbable(refined, correction_, calibration, prior_sigmas_, options_);
     if (!better) return false;
-    constexpr double kSettledSigmas = 0.1;
+    constexpr double kSettledSigmas = 0.25;  // what is left counts in the sigmas
     const CalibrationVector step = better->correction - correction_;
     const CalibrationVector sigmas = better->covariance.diagonal().cwiseSqrt();
     if ((step.array().abs() <= kSettledSigmas * sigmas.array()).all()) return false;
