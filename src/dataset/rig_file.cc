@@ -14,6 +14,8 @@
 namespace rigmap {
 namespace {
 
+// No vehicle carries two cameras that far apart.
+constexpr double kMaxBaseline_m = 10.0;
 // Numbers in such files are rounded to six decimals or better.
 constexpr double kMaxBaselineErrorM = 1e-6;
 // Largest entry of R^T R - 1: three decimals are enough to tell a rotation from a typing error.
@@ -178,6 +180,12 @@ Rigid3 ReadRigid(const YamlNode& node) {
 void CheckBaseline(const YamlNode& root, const StereoRig& rig) {
   const YamlNode& motion = root.At("right_from_left").At("t");
   if (!(rig.Baseline() > 0.0)) throw Complaint(motion, "expected a baseline above 0 m, found 0 m");
+  if (rig.Baseline() > kMaxBaseline_m) {
+    throw Complaint(motion, fmt::format("expected a baseline in metres, found {:.4g} m: is it in "
+                                        "millimetres, or the focal length times the baseline, as a "
+                                        "projection matrix has it?",
+                                        rig.Baseline()));
+  }
   const double right_x_in_left = rig.right_from_left.Inverse().translation.x();
   if (!(right_x_in_left > 0.0)) {
     throw Complaint(motion, fmt::format("expected the right camera to the right of the left one, "

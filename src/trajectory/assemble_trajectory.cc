@@ -1,5 +1,6 @@
 #include "trajectory/assemble_trajectory.h"
 
+#include <Eigen/Cholesky>
 #include <Eigen/LU>
 
 #include "trajectory/starting_poses.h"
@@ -13,23 +14,32 @@ struct Uncertain {
   Matrix6d covariance = Matrix6d::Zero();
 };
 
-// The covariance of a pose (about gauge axes) propagated to another pose that is rigidly connected
-// to it: a rotation of the first moves the second by the lever arm between them.
-Matrix6d Carry(const Uncertain& from, const Rigid3& gauge_from_left) {
+// How an error of a pose at `from` (translation, rotation about gauge axes) moves another at `to`
+// to which it is rigidly connected: a rotation of the first moves the second by the lever arm.
+Matrix6d CarryMatrix(const Rigid3& from, const Rigid3& to) {
   Matrix6d carry = Matrix6d::Identity();
-  carry.topRightCorner<3, 3>() =
-      -Skew(gauge_from_left.translation - from.gauge_from_left.translation);
+  carry.topRightCorner<3, 3>() = -Skew(to.translation - from.translation);
+  return carry;
+}
+
+Matrix6d Carry(const Uncertain& from, const Rigid3& gauge_from_left) {
+  const Matrix6d carry = CarryMatrix(from.gauge_from_left, gauge_from_left);
   return carry * from.covariance * carry.transpose();
 }
 
-// Covariance of the end of a step, from that of its start (about gauge axes) and the step's own
-// (left perturbation of left_from_reference, current axes).
-Matrix6d Chain(const Uncertain& reference, const Rigid3& gauge_from_left,
-               const Matrix6d& step_covariance) {
+// A step's own covariance (left perturbation of left_from_reference, current axes) about gauge
+// axes.
+Matrix6d Turned(const Matrix6d& step_covariance, const Rigid3& gauge_from_left) {
   Matrix6d turn = Matrix6d::Zero();
   turn.topLeftCorner<3, 3>() = turn.bottomRightCorner<3, 3>() =
       gauge_from_left.rotation.toRotationMatrix();
-  return Carry(reference, gauge_from_left) + turn * step_covariance * turn.transpose();
+  return turn * step_covariance * turn.transpose();
+}
+
+// Covariance of the end of a step, from that of its start and the step's own.
+Matrix6d Chain(const Uncertain& reference, const Rigid3& gauge_from_left,
+               const Matrix6d& step_covariance) {
+  return Carry(reference, gauge_from_left) + Turned(step_covariance, gauge_from_left);
 }
 
 // Indices of all frames, each after its reference frame: from the first posed one to the last, then
@@ -61,29 +71,41 @@ Uncertain PoseOf(int i, const Odometry& odometry, const Adjustment& adjustment,
 
 double Seconds(StampNs from, StampNs to) { return 1e-9 * static_cast<double>(to - from); }
 
-// Between two known ends, a predicted frame is as sure as both together make it.
+// How well the end of a predicted run is known relative to the frame before it: by what its own
+// covariance has more than what it shares with that frame, or by the step that was measured across.
+Matrix6d AcrossTheGap(const Uncertain& start, const Uncertain& end,
+                      const OdometryFrame& end_frame) {
+  const Matrix6d more = end.covariance - Carry(start, end.gauge_from_left);
+  if (more.llt().info() == Eigen::Success) return more;
+  return Turned(end_frame.step_covariance, end.gauge_from_left);
+}
+
+// Between two known ends, a predicted frame is as sure as both together make it. What the ends
+// share counts once: the run is a chain of steps from the frame before it, whose end was measured.
 void TieToEnd(const Odometry& odometry, int first, int end, std::vector<Uncertain>& poses) {
-  const Uncertain& known = poses[end];
-  // Where the run itself would have put its end.
+  const Uncertain &start = poses[first - 1], &known = poses[end];
+  std::vector<Uncertain> chain{{start.gauge_from_left}};
+  for (int i = first; i < end; ++i) {
+    chain.push_back({poses[i].gauge_from_left,
+                     Chain(chain.back(), poses[i].gauge_from_left, odometry[i].step_covariance)});
+  }
+  // Where the run itself would have put its end. The step that leaves the run is not known better
+  // than those within it.
   const Rigid3 reached = poses[end - 1].gauge_from_left * OdometricStep(odometry, end - 1, end);
+  const Matrix6d of_reached = Chain(chain.back(), reached, odometry[end - 1].step_covariance);
+  const Matrix6d innovation = (of_reached + AcrossTheGap(start, known, odometry[end])).inverse();
   const Rigid3 known_from_reached = known.gauge_from_left * reached.Inverse();
   const double gap_s = Seconds(odometry[first - 1].stamp_ns, odometry[end].stamp_ns);
-  Matrix6d back = Matrix6d::Zero();
-  std::vector<Matrix6d> from_end(static_cast<std::size_t>(end - first));
-  for (int i = end - 1; i >= first; --i) {
-    // The step that leaves the run is not known better than those within it.
-    back += odometry[i].step_covariance;
-    from_end[static_cast<std::size_t>(i - first)] = known.covariance + back;
-  }
   for (int i = first; i < end; ++i) {
     const double share = Seconds(odometry[first - 1].stamp_ns, odometry[i].stamp_ns) / gap_s;
     const Rigid3 part = Interpolate(Rigid3(), known_from_reached, share);
     Uncertain& pose = poses[i];
-    pose.gauge_from_left = part * pose.gauge_from_left;
-    const Matrix6d information =
-        pose.covariance.inverse() + from_end[static_cast<std::size_t>(i - first)].inverse();
-    const Matrix6d together = information.inverse();
+    const Matrix6d& alone = chain[static_cast<std::size_t>(i - first) + 1].covariance;
+    const Matrix6d to_end = CarryMatrix(pose.gauge_from_left, reached) * alone;
+    const Matrix6d tied = alone - to_end.transpose() * innovation * to_end;
+    const Matrix6d together = Carry(start, pose.gauge_from_left) + tied;
     if (together.allFinite()) pose.covariance = together;
+    pose.gauge_from_left = part * pose.gauge_from_left;
   }
 }
 

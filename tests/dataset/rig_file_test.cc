@@ -70,6 +70,13 @@ TEST_F(RigFileTest, ReadsTheSample) {
   EXPECT_EQ(rig.source, (folder_.Path() / "rig.yaml").string());
 }
 
+TEST_F(RigFileTest, ABaselineThatIsNotInMetresIsQuestioned) {
+  for (const char* t : {"-120, 0, 0", "-386.1448, 0, 0"}) {
+    const std::string complaint = Complaint("-0.12, 0, 0", t);
+    EXPECT_THAT(complaint, HasSubstr("expected a baseline in metres"));
+  }
+}
+
 TEST_F(RigFileTest, MayStateHowWellTheBaselineIsKnown) {
   EXPECT_FALSE(Read(SampleRigText()).baseline_sigma_m);
   const StereoRig rig = Read(SampleRigText() + "sigmas: {baseline_m: 0.0002}\n");
