@@ -15,6 +15,7 @@
 #include "core/error.h"
 #include "core/freed_memory.h"
 #include "pipeline/code_identity.h"
+#include "workflows/calibrate.h"
 #include "workflows/evaluate_part.h"
 #include "workflows/print_options.h"
 #include "workflows/print_stages.h"
@@ -164,6 +165,12 @@ int Main(int argc, char** argv) {
   evaluation->add_option("out", evaluate.out, "Folder with the results")->required();
   evaluation->add_option("--truth", truth, "TUM file, or folder with trajectory.tum");
   evaluation->add_flag("--json", evaluate.json, "Print one line of JSON instead of a table");
+  CalibrateRequest calibrate;
+  std::vector<std::string> outs;
+  std::string rig_out;
+  CLI::App* calibration = app.add_subcommand("calibrate", "Find one rig for many parts");
+  calibration->add_option("outs", outs, "Folders with the results of parts")->required();
+  calibration->add_option("--rig-out", rig_out, "Rig file to be written")->required();
   std::string format = "yaml";
   CLI::App* options = app.add_subcommand("options", "Print every option of part with its default");
   options->add_option("--format", format, "yaml or markdown");
@@ -181,6 +188,12 @@ int Main(int argc, char** argv) {
   if (evaluation->parsed()) {
     evaluate.truth = IfGiven<fs::path>(truth);
     fmt::print("{}", EvaluatePart(evaluate));
+    return 0;
+  }
+  if (calibration->parsed()) {
+    calibrate.outs.assign(outs.begin(), outs.end());
+    calibrate.rig_out = rig_out;
+    fmt::print("{}", Calibrate(calibrate));
     return 0;
   }
   if (options->parsed()) {

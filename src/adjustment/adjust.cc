@@ -41,7 +41,7 @@ class Adjuster {
         options_(options),
         tracks_(BuildTracks(input.correspondences, false)),
         bundle_{.rig = Corrected(input.rig, input.correction)},
-        prior_sigmas_(PriorSigmas(input.rig, options)),
+        prior_(PriorOf(input.rig, options)),
         refined_(input.refined),
         correction_(input.correction) {
     for (const auto& pose : input.world_from_left) {
@@ -119,7 +119,7 @@ class Adjuster {
     // More is freed only once what is free has settled: until then it may make up for the rest.
     if (MoveRig(refined_, *system.calibration)) return true;
     const RigRefinement next =
-        NextRefinement(refined_, correction_, *system.calibration, prior_sigmas_, options_);
+        NextRefinement(refined_, correction_, *system.calibration, prior_, options_);
     if (next == refined_) return false;
     refined_ = next;
     return MoveRig(refined_, *system.calibration);
@@ -128,7 +128,7 @@ class Adjuster {
   // To the most probable correction with the parameters of `refined` free; false if it is there.
   bool MoveRig(RigRefinement refined, const CalibrationEquations& calibration) {
     if (refined == RigRefinement::kNone) return false;
-    const auto better = MostProbable(refined, correction_, calibration, prior_sigmas_, options_);
+    const auto better = MostProbable(refined, correction_, calibration, prior_, options_);
     if (!better) return false;
     constexpr double kSettledSigmas = 0.25;  // what is left counts in the sigmas
     const CalibrationVector step = better->correction - correction_;
@@ -137,7 +137,7 @@ class Adjuster {
     correction_ = better->correction;
     bundle_.rig = Corrected(input_.rig, correction_);
     spdlog::info("rig corrected, in sigmas of the prior, by {:.3f}",
-                 fmt::join(correction_.cwiseQuotient(prior_sigmas_), " "));
+                 fmt::join(correction_.cwiseQuotient(prior_.sigmas), " "));
     return true;
   }
 
@@ -199,11 +199,11 @@ class Adjuster {
     CalibrationVector gradient;
     for (int i = 0; i < kCalibrationSize; ++i) {
       CalibrationVector ahead = correction_, behind = correction_;
-      ahead(i) += kStepSigmas * prior_sigmas_(i);
-      behind(i) -= kStepSigmas * prior_sigmas_(i);
+      ahead(i) += kStepSigmas * prior_.sigmas(i);
+      behind(i) -= kStepSigmas * prior_.sigmas(i);
       gradient(i) =
           (function(Corrected(input_.rig, ahead)) - function(Corrected(input_.rig, behind))) /
-          (2.0 * kStepSigmas * prior_sigmas_(i));
+          (2.0 * kStepSigmas * prior_.sigmas(i));
     }
     return std::sqrt(std::max(0.0, gradient.dot(error * gradient)));
   }
@@ -220,7 +220,7 @@ class Adjuster {
                   static_cast<double>(std::max({all, errors.size(), std::size_t{1}}));
     const CalibrationMatrix of_calibration =
         system.calibration
-            ? CalibrationError(refined_, correction_, *system.calibration, prior_sigmas_, options_)
+            ? CalibrationError(refined_, correction_, *system.calibration, prior_, options_)
             : CalibrationMatrix::Zero().eval();
     result.covariances = InflatedCovariances(system, of_calibration);
     if (system.scale) {
@@ -234,9 +234,12 @@ class Adjuster {
     result.infinity_offset_sigma_px = SigmaOf(DisparityAtInfinity, of_calibration);
     result.datum_frames = std::move(system.datum_frames);
     result.calibration = system.calibration;
+    if (system.calibration) {
+      result.calibration_inflation = Inflation(*system.calibration, options_);
+    }
     result.rig = bundle_.rig;
     result.rig_correction = correction_;
-    result.rig_correction_sigmas = correction_.cwiseQuotient(prior_sigmas_);
+    result.rig_correction_sigmas = correction_.cwiseQuotient(prior_.sigmas);
     result.refined = refined_;
     for (const auto& pose : bundle_.left_from_world) {
       result.world_from_left.push_back(pose ? std::optional(pose->Inverse()) : std::nullopt);
@@ -249,7 +252,7 @@ class Adjuster {
   const AdjustmentOptions& options_;
   std::vector<Track> tracks_;
   Bundle bundle_;
-  CalibrationVector prior_sigmas_;
+  CalibrationPrior prior_;
   RigRefinement refined_;
   CalibrationVector correction_;
   double noise_px_ = 1.0;

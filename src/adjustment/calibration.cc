@@ -38,15 +38,6 @@ CalibrationVector FreedBy(RigRefinement refined) {
   return freed;
 }
 
-// How many times as uncertain as independent observations would leave it (variance): because
-// residuals of one track go together, and because of noise that all tracks of a frame share.
-double Inflation(const CalibrationEquations& equations, const AdjustmentOptions& options) {
-  const CalibrationMatrix ratio = equations.information.ldlt().solve(equations.score_covariance);
-  const double mean = ratio.diagonal().mean();
-  return (std::isfinite(mean) ? std::max(1.0, mean) : 1.0) * options.shared_noise *
-         options.shared_noise;
-}
-
 struct LinearSystem {
   CalibrationMatrix matrix;
   CalibrationVector right_side;
@@ -57,10 +48,10 @@ struct LinearSystem {
 // Of the correction, not of a step from `now`. Held parameters stay where they are.
 LinearSystem SystemOf(const CalibrationVector& freed, const CalibrationVector& now,
                       const CalibrationVector& score, const CalibrationMatrix& information,
-                      double inflation, const CalibrationVector& prior_sigmas) {
+                      double inflation, const CalibrationPrior& prior) {
   LinearSystem system{information / inflation, {}};
   system.right_side = system.matrix * now + score / inflation;
-  system.matrix.diagonal() += prior_sigmas.cwiseAbs2().cwiseInverse();
+  system.matrix += prior.information;
   for (int i = 0; i < kCalibrationSize; ++i) {
     if (freed(i) != 0.0) continue;
     system.right_side -= system.matrix.col(i) * now(i);
@@ -110,7 +101,9 @@ std::optional<CalibrationStep> RotationAndFocalStep(const CalibrationEquations& 
                          step(3),        sigma(3),        independent(3)};
 }
 
-CalibrationVector PriorSigmas(const StereoRig& rig, const AdjustmentOptions& options) {
+namespace {
+
+CalibrationVector SigmasOf(const StereoRig& rig, const AdjustmentOptions& options) {
   CalibrationVector sigmas;
   sigmas.segment<3>(kRotationX).setConstant(options.rig_prior_deg * std::numbers::pi / 180.0);
   sigmas.segment<2>(kLogFocal).setConstant(options.focal_prior_pct / 100.0);
@@ -128,13 +121,32 @@ CalibrationVector PriorSigmas(const StereoRig& rig, const AdjustmentOptions& opt
   return sigmas;
 }
 
+}  // namespace
+
+CalibrationPrior PriorOf(const StereoRig& rig, const AdjustmentOptions& options) {
+  if (rig.calibration_covariance) {
+    return {rig.calibration_covariance->diagonal().cwiseSqrt(),
+            rig.calibration_covariance->inverse()};
+  }
+  CalibrationPrior prior{SigmasOf(rig, options), CalibrationMatrix::Zero()};
+  prior.information.diagonal() = prior.sigmas.cwiseAbs2().cwiseInverse();
+  return prior;
+}
+
+double Inflation(const CalibrationEquations& equations, const AdjustmentOptions& options) {
+  const CalibrationMatrix ratio = equations.information.ldlt().solve(equations.score_covariance);
+  const double mean = ratio.diagonal().mean();
+  return (std::isfinite(mean) ? std::max(1.0, mean) : 1.0) * options.shared_noise *
+         options.shared_noise;
+}
+
 std::optional<ProbableCorrection> MostProbable(RigRefinement refined, const CalibrationVector& now,
                                                const CalibrationEquations& equations,
-                                               const CalibrationVector& prior_sigmas,
+                                               const CalibrationPrior& prior,
                                                const AdjustmentOptions& options) {
   const CalibrationVector freed = FreedBy(refined);
   const LinearSystem system = SystemOf(freed, now, equations.score, equations.information,
-                                       Inflation(equations, options), prior_sigmas);
+                                       Inflation(equations, options), prior);
   ProbableCorrection found{system.Solution(), system.matrix.inverse()};
   if (!found.correction.allFinite() || !found.covariance.allFinite()) return std::nullopt;
   found.covariance = freed.asDiagonal() * found.covariance * freed.asDiagonal();
@@ -172,9 +184,9 @@ double LargestShiftPx(const StereoRig& from, const StereoRig& to) {
 
 CalibrationMatrix CalibrationError(RigRefinement refined, const CalibrationVector& now,
                                    const CalibrationEquations& equations,
-                                   const CalibrationVector& prior_sigmas,
+                                   const CalibrationPrior& prior,
                                    const AdjustmentOptions& options) {
-  const auto all = MostProbable(RigRefinement::kAll, now, equations, prior_sigmas, options);
+  const auto all = MostProbable(RigRefinement::kAll, now, equations, prior, options);
   if (!all) return CalibrationMatrix::Zero();
   const CalibrationVector off = all->correction - now;
   constexpr double kConflictSigmas = 2.0;
@@ -188,14 +200,14 @@ CalibrationMatrix CalibrationError(RigRefinement refined, const CalibrationVecto
   const CalibrationMatrix held =
       all->covariance - focal_variance * following * following.transpose();
   const CalibrationVector off_held = off - off(kLogFocal) * following;
-  const double prior = prior_sigmas(kLogFocal);
-  return held + off_held * off_held.transpose() + prior * prior * following * following.transpose();
+  const double sigma = prior.sigmas(kLogFocal);
+  return held + off_held * off_held.transpose() + sigma * sigma * following * following.transpose();
 }
 
 std::optional<LeftOutGain> GainOfRefining(RigRefinement from, RigRefinement to,
                                           const CalibrationVector& now,
                                           const CalibrationEquations& equations,
-                                          const CalibrationVector& prior_sigmas,
+                                          const CalibrationPrior& prior,
                                           const AdjustmentOptions& options) {
   if (equations.blocks.size() < kMinBlocks) return std::nullopt;
   const double inflation = Inflation(equations, options);
@@ -204,7 +216,7 @@ std::optional<LeftOutGain> GainOfRefining(RigRefinement from, RigRefinement to,
     const auto gain_of = [&](RigRefinement refined) {
       const CalibrationVector step =
           SystemOf(FreedBy(refined), now, equations.score - left_out.score,
-                   equations.information - left_out.information, inflation, prior_sigmas)
+                   equations.information - left_out.information, inflation, prior)
               .Solution() -
           now;
       return left_out.score.dot(step) - 0.5 * step.dot(left_out.information * step);
@@ -219,22 +231,21 @@ std::optional<LeftOutGain> GainOfRefining(RigRefinement from, RigRefinement to,
 }
 
 RigRefinement NextRefinement(RigRefinement refined, const CalibrationVector& now,
-                             const CalibrationEquations& equations,
-                             const CalibrationVector& prior_sigmas,
+                             const CalibrationEquations& equations, const CalibrationPrior& prior,
                              const AdjustmentOptions& options) {
   if (options.refine_rig != RigRefinement::kAuto) return options.refine_rig;
   if (refined == RigRefinement::kAll) return refined;
   const RigRefinement next =
       refined == RigRefinement::kNone ? RigRefinement::kAllButFocal : RigRefinement::kAll;
-  const auto gain = GainOfRefining(refined, next, now, equations, prior_sigmas, options);
-  const auto correction = MostProbable(next, now, equations, prior_sigmas, options);
+  const auto gain = GainOfRefining(refined, next, now, equations, prior, options);
+  const auto correction = MostProbable(next, now, equations, prior, options);
   if (!gain || !correction) return refined;
   spdlog::info("rig refined by {} instead of {}: left-out stretches gain {:.1f}, {} of {} against",
                NameOf(next), NameOf(refined), gain->sum, gain->against, gain->stretches);
   // Over long paths the least noise that all frames share becomes significant.
   constexpr double kMattersPriorSigmas = 0.05;  // 0.005 degrees, 0.025 %, 0.05 px
   const bool matters =
-      ((correction->correction - now).cwiseQuotient(prior_sigmas).cwiseAbs().array() >
+      ((correction->correction - now).cwiseQuotient(prior.sigmas).cwiseAbs().array() >
        kMattersPriorSigmas)
           .any();
   // One stretch in eight may show something else: a person, a car, glare.

@@ -24,9 +24,14 @@ struct CalibrationStep {
 // Nothing where the equations are singular.
 std::optional<CalibrationStep> RotationAndFocalStep(const CalibrationEquations& equations);
 
-// How far the calibration in a rig file may be off, one standard deviation each. Of the distortion
-// it is what moves a pixel in the image's corner by options.distortion_prior_px.
-CalibrationVector PriorSigmas(const StereoRig& rig, const AdjustmentOptions& options);
+// What the rig file states, else sigmas from the options, those of the distortion being what moves
+// a pixel in the image's corner by options.distortion_prior_px.
+CalibrationPrior PriorOf(const StereoRig& rig, const AdjustmentOptions& options);
+
+// How many times as uncertain (variance) as independent observations would leave them the equations
+// are: because residuals of one track go together, and because of noise that all tracks of a frame
+// share.
+double Inflation(const CalibrationEquations& equations, const AdjustmentOptions& options);
 
 // Where the right eye sees what the left one sees at `left` if it is infinitely far; nothing where
 // either lens model has no such ray.
@@ -47,7 +52,7 @@ struct ProbableCorrection {
 // what the part says at the correction `now`. Nothing where the equations are singular.
 std::optional<ProbableCorrection> MostProbable(RigRefinement refined, const CalibrationVector& now,
                                                const CalibrationEquations& equations,
-                                               const CalibrationVector& prior_sigmas,
+                                               const CalibrationPrior& prior,
                                                const AdjustmentOptions& options);
 
 // Mean square error of the calibration at the correction `now`, in which the parameters of
@@ -56,8 +61,7 @@ std::optional<ProbableCorrection> MostProbable(RigRefinement refined, const Cali
 // confirm, they do not know it, and the prior counts. Zero where the equations are singular.
 CalibrationMatrix CalibrationError(RigRefinement refined, const CalibrationVector& now,
                                    const CalibrationEquations& equations,
-                                   const CalibrationVector& prior_sigmas,
-                                   const AdjustmentOptions& options);
+                                   const CalibrationPrior& prior, const AdjustmentOptions& options);
 
 // How much better stretches of the part fit a rig that is corrected from all the others: half the
 // decrease of their weighted squares, in units of what chance gives (the inflation of the noise).
@@ -70,15 +74,14 @@ struct LeftOutGain {
 std::optional<LeftOutGain> GainOfRefining(RigRefinement from, RigRefinement to,
                                           const CalibrationVector& now,
                                           const CalibrationEquations& equations,
-                                          const CalibrationVector& prior_sigmas,
+                                          const CalibrationPrior& prior,
                                           const AdjustmentOptions& options);
 
 // Which parameters to free, where `now` is the correction with those of `refined` free: what
 // options.refine_rig says, for "auto" one step further than `refined` at most. All but the common
 // focal length are freed first, since that must not make up for what the lens model lacks.
 RigRefinement NextRefinement(RigRefinement refined, const CalibrationVector& now,
-                             const CalibrationEquations& equations,
-                             const CalibrationVector& prior_sigmas,
+                             const CalibrationEquations& equations, const CalibrationPrior& prior,
                              const AdjustmentOptions& options);
 
 }  // namespace rigmap

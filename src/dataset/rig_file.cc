@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Cholesky>
 #include <Eigen/SVD>
 #include <algorithm>
 #include <array>
@@ -172,6 +173,35 @@ double ReadSigma(const YamlNode& node) {
   return sigma;
 }
 
+CalibrationMatrix ReadCovariance(const YamlNode& node) {
+  constexpr int kNumbers = kCalibrationSize * (kCalibrationSize + 1) / 2;
+  const auto numbers = node.AsDoubles(kNumbers);
+  CalibrationMatrix covariance;
+  auto next = numbers.begin();
+  for (int row = 0; row < kCalibrationSize; ++row) {
+    for (int column = row; column < kCalibrationSize; ++column) {
+      covariance(row, column) = covariance(column, row) = *next++;
+    }
+  }
+  // Scaled, since its parameters are of very different size.
+  const CalibrationVector scale = covariance.diagonal().cwiseSqrt().cwiseInverse();
+  const CalibrationMatrix correlations = scale.asDiagonal() * covariance * scale.asDiagonal();
+  if (!correlations.allFinite() || correlations.llt().info() != Eigen::Success) {
+    throw Complaint(node, "expected a covariance, found a matrix that is not positive definite");
+  }
+  return covariance;
+}
+
+std::vector<double> UpperTriangle(const CalibrationMatrix& matrix) {
+  std::vector<double> numbers;
+  for (int row = 0; row < kCalibrationSize; ++row) {
+    for (int column = row; column < kCalibrationSize; ++column) {
+      numbers.push_back(matrix(row, column));
+    }
+  }
+  return numbers;
+}
+
 Rigid3 ReadRigid(const YamlNode& node) {
   node.RequireKeys({"R", "t"});
   return {ReadRotation(node.At("R")), ReadVector(node.At("t"))};
@@ -243,8 +273,9 @@ std::string FormatRigid(const Rigid3& motion) {
 
 }  // namespace
 
-StereoRig ReadRigFile(const std::filesystem::path& path) {
-  const YamlNode root = ReadYaml(path);
+namespace {
+
+StereoRig ReadRig(const YamlNode& root, const std::filesystem::path& path) {
   root.RequireKeys({"left", "right", "right_from_left", "baseline_m", "rectified",
                     "antenna_in_left", "imu_from_left", "sigmas"});
   StereoRig rig;
@@ -259,10 +290,23 @@ StereoRig ReadRigFile(const std::filesystem::path& path) {
   }
   if (const YamlNode* imu = root.Find("imu_from_left")) rig.imu_from_left = ReadRigid(*imu);
   if (const YamlNode* sigmas = root.Find("sigmas")) {
-    sigmas->RequireKeys({"baseline_m"});
-    rig.baseline_sigma_m = ReadSigma(sigmas->At("baseline_m"));
+    sigmas->RequireKeys({"baseline_m", "covariance"});
+    if (const YamlNode* baseline = sigmas->Find("baseline_m")) {
+      rig.baseline_sigma_m = ReadSigma(*baseline);
+    }
+    if (const YamlNode* covariance = sigmas->Find("covariance")) {
+      rig.calibration_covariance = ReadCovariance(*covariance);
+    }
   }
   return rig;
+}
+
+}  // namespace
+
+StereoRig ReadRigFile(const std::filesystem::path& path) { return ReadRig(ReadYaml(path), path); }
+
+StereoRig ParseRigFile(const std::string& text, const std::filesystem::path& name) {
+  return ReadRig(ParseYaml(text, name.string()), name);
 }
 
 std::string WriteRigFile(const StereoRig& rig) {
@@ -272,8 +316,11 @@ std::string WriteRigFile(const StereoRig& rig) {
     text += fmt::format("antenna_in_left: {}\n", FormatVector(*rig.antenna_in_left));
   }
   if (rig.imu_from_left) text += fmt::format("imu_from_left:\n{}", FormatRigid(*rig.imu_from_left));
-  if (rig.baseline_sigma_m) {
-    text += fmt::format("sigmas:\n  baseline_m: {}\n", *rig.baseline_sigma_m);
+  if (rig.baseline_sigma_m || rig.calibration_covariance) text += "sigmas:\n";
+  if (rig.baseline_sigma_m) text += fmt::format("  baseline_m: {}\n", *rig.baseline_sigma_m);
+  if (rig.calibration_covariance) {
+    text += fmt::format("  covariance: [{}]\n",
+                        fmt::join(UpperTriangle(*rig.calibration_covariance), ", "));
   }
   return text;
 }

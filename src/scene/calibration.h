@@ -37,6 +37,13 @@ enum CalibrationParameter {
 using CalibrationVector = Eigen::Matrix<double, kCalibrationSize, 1>;
 using CalibrationMatrix = Eigen::Matrix<double, kCalibrationSize, kCalibrationSize>;
 
+// How far the calibration in a rig file may be off before any image of a part has been seen; no
+// correction is the most probable one.
+struct CalibrationPrior {
+  CalibrationVector sigmas = CalibrationVector::Ones();
+  CalibrationMatrix information = CalibrationMatrix::Identity();
+};
+
 // Which parameters an adjustment corrects. kAuto: as many as the images tell.
 enum class RigRefinement { kNone, kRotation, kRotationAndFocal, kAllButFocal, kAll, kAuto };
 constexpr auto NamesOf(RigRefinement) {

@@ -8,6 +8,7 @@
 #include "geometry/camera.h"
 #include "geometry/rigid3.h"
 #include "geometry/serialize.h"
+#include "scene/calibration.h"
 
 namespace rigmap {
 
@@ -43,14 +44,18 @@ struct StereoRig {
   std::optional<Eigen::Vector3d> antenna_in_left;  // GPS antenna, left camera axes
   std::optional<Rigid3> imu_from_left;
   std::optional<double> baseline_sigma_m;  // of the baseline's length, where the file states it
-  std::string source;                      // file it was read from, for messages
+  // Of a correction of this rig, where the file states it: what the parts that it was calibrated
+  // from leave unknown.
+  std::optional<CalibrationMatrix> calibration_covariance;
+  std::string source;  // file it was read from, for messages
 
   double Baseline() const { return right_from_left.translation.norm(); }
   const RigEye& Of(Eye eye) const { return eye == Eye::kLeft ? left : right; }
 
   template <class Archive>
   void serialize(Archive& archive) {
-    archive(left, right, right_from_left, antenna_in_left, imu_from_left, baseline_sigma_m, source);
+    archive(left, right, right_from_left, antenna_in_left, imu_from_left, baseline_sigma_m,
+            calibration_covariance, source);
   }
 };
 

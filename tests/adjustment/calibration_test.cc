@@ -203,13 +203,13 @@ TEST_F(CalibrationTest, StretchesAddUpToTheWhole) {
 // Equations of stretches in which one parameter is off by `off` of its prior sigmas, each stretch
 // knowing it to a tenth of the prior; `scatter` is how far the stretches disagree.
 CalibrationEquations Stretches(CalibrationParameter parameter, double off,
-                               const CalibrationVector& prior, const std::vector<double>& scatter) {
+                               const CalibrationPrior& prior, const std::vector<double>& scatter) {
   CalibrationEquations equations;
   for (const double scattered : scatter) {
     CalibrationBlock block;
-    block.information.diagonal() = 100.0 * prior.cwiseAbs2().cwiseInverse();
+    block.information.diagonal() = 100.0 * prior.sigmas.cwiseAbs2().cwiseInverse();
     block.score(parameter) =
-        block.information(parameter, parameter) * (off + scattered) * prior(parameter);
+        block.information(parameter, parameter) * (off + scattered) * prior.sigmas(parameter);
     equations.score += block.score;
     equations.information += block.information;
     equations.blocks.push_back(block);
@@ -220,8 +220,8 @@ CalibrationEquations Stretches(CalibrationParameter parameter, double off,
 
 TEST(NextRefinement, FreesTheFocalLengthLast) {
   const AdjustmentOptions options;
-  const CalibrationVector prior = PriorSigmas(LocCamRig(), options),
-                          now = CalibrationVector::Zero();
+  const CalibrationPrior prior = PriorOf(LocCamRig(), options);
+  const CalibrationVector now = CalibrationVector::Zero();
   const std::vector<double> alike(8, 0.0);
   const auto next = [&](RigRefinement refined, CalibrationParameter parameter, double off,
                         const std::vector<double>& scatter) {
@@ -245,8 +245,8 @@ TEST(NextRefinement, FreesTheFocalLengthLast) {
 
 TEST(NextRefinement, NeedsStretchesToLeaveOut) {
   const AdjustmentOptions options;
-  const CalibrationVector prior = PriorSigmas(LocCamRig(), options),
-                          now = CalibrationVector::Zero();
+  const CalibrationPrior prior = PriorOf(LocCamRig(), options);
+  const CalibrationVector now = CalibrationVector::Zero();
   const CalibrationEquations few = Stretches(kRotationY, 2.0, prior, {0.0, 0.0, 0.0});
   EXPECT_FALSE(GainOfRefining(RigRefinement::kNone, RigRefinement::kAll, now, few, prior, options));
   EXPECT_EQ(NextRefinement(RigRefinement::kNone, now, few, prior, options), RigRefinement::kNone);
@@ -254,13 +254,13 @@ TEST(NextRefinement, NeedsStretchesToLeaveOut) {
 
 TEST(CalibrationError, OfAFocalLengthThatWasNotConfirmedIsThePriors) {
   const AdjustmentOptions options;
-  const CalibrationVector prior = PriorSigmas(LocCamRig(), options),
-                          now = CalibrationVector::Zero();
+  const CalibrationPrior prior = PriorOf(LocCamRig(), options);
+  const CalibrationVector now = CalibrationVector::Zero();
   const CalibrationEquations equations =
       Stretches(kLogFocal, 3.0, prior, std::vector<double>(8, 0.0));
   const auto sigma = [&](RigRefinement refined) {
     const CalibrationMatrix error = CalibrationError(refined, now, equations, prior, options);
-    return std::sqrt(error(kLogFocal, kLogFocal)) / prior(kLogFocal);
+    return std::sqrt(error(kLogFocal, kLogFocal)) / prior.sigmas(kLogFocal);
   };
   EXPECT_NEAR(sigma(RigRefinement::kAllButFocal), 1.0, 1e-6);
   // Where it was not asked, how far it is off counts.
@@ -269,13 +269,13 @@ TEST(CalibrationError, OfAFocalLengthThatWasNotConfirmedIsThePriors) {
       Stretches(kLogFocal, 0.0, prior, std::vector<double>(8, 0.0));
   EXPECT_LT(std::sqrt(CalibrationError(RigRefinement::kAllButFocal, now, agreeing, prior, options)(
                 kLogFocal, kLogFocal)),
-            0.2 * prior(kLogFocal));
+            0.2 * prior.sigmas(kLogFocal));
 }
 
 TEST(PriorSigmas, OfDistortionMoveThePixelInTheCornerAlike) {
   const StereoRig rig = LocCamRig();
   const AdjustmentOptions options;
-  const CalibrationVector prior = PriorSigmas(rig, options);
+  const CalibrationVector prior = PriorOf(rig, options).sigmas;
   const Camera& camera = rig.left.camera;
   Camera plain = camera;
   plain.k1 = plain.k2 = plain.p1 = plain.p2 = 0.0;

@@ -86,6 +86,23 @@ TEST_F(RigFileTest, MayStateHowWellTheBaselineIsKnown) {
   EXPECT_THAT(ComplaintAbout("sigmas: {focal: 1}"), HasSubstr("focal"));
 }
 
+TEST_F(RigFileTest, MayStateTheCovarianceOfItsCalibration) {
+  StereoRig rig = Read(SampleRigText());
+  CalibrationMatrix covariance = CalibrationMatrix::Identity();
+  for (int i = 0; i < kCalibrationSize; ++i) covariance(i, i) = 1e-6 * (i + 1);
+  covariance(0, 16) = covariance(16, 0) = 1e-7;
+  rig.calibration_covariance = covariance;
+  const std::string text = WriteRigFile(rig);
+  ASSERT_TRUE(Read(text).calibration_covariance);
+  EXPECT_EQ(*Read(text).calibration_covariance, covariance);
+  EXPECT_EQ(WriteRigFile(ParseRigFile(text, "rig")), text);
+  EXPECT_THAT(ComplaintAbout("sigmas: {covariance: [1, 2]}"), HasSubstr("153"));
+  covariance(0, 16) = covariance(16, 0) = 1.0;
+  rig.calibration_covariance = covariance;
+  EXPECT_THAT(MessageOf<DataError>([&] { Read(WriteRigFile(rig)); }),
+              HasSubstr("not positive definite"));
+}
+
 TEST_F(RigFileTest, WriteAndReadAreInverse) {
   std::mt19937 random(11);
   std::uniform_real_distribution<double> number(-0.02, 0.02);

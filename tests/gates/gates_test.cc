@@ -307,6 +307,17 @@ TEST_F(GatesTest, CorrectionsOfTheRigAreJudgedInSigmasOfACalibration) {
   EXPECT_FALSE(Judge("rig_refinement_px").value);
 }
 
+TEST_F(GatesTest, ConsistencyOfARigThatWasAskedForWholeIsADiagnostic) {
+  Correct({0.01, 0.0, 0.0}, Eigen::Vector3d::Constant(1e-6), 0.01, 1e-4);
+  EXPECT_FALSE(Judge("rig_consistency_deg").passed);
+  EXPECT_FALSE(Judge("intrinsics_consistency_pct").passed);
+  adjustment_.refined = RigRefinement::kRotation;
+  EXPECT_FALSE(Judge("intrinsics_consistency_pct").passed);
+  adjustment_.refined = RigRefinement::kAllButFocal;
+  EXPECT_TRUE(Judge("rig_consistency_deg").passed);
+  EXPECT_TRUE(Judge("intrinsics_consistency_pct").passed);
+}
+
 TEST_F(GatesTest, ShapeMappedWithAWrongRigIsADiagnostic) {
   aligned_.models[0].scale.relative_spread = 2.0 * options_.mapping.baseline_spread;
   EXPECT_FALSE(Judge("baseline_spread").passed);

@@ -117,45 +117,6 @@ TEST(AssembledTrajectory, SigmasOfAPredictedRunCountWhatItsEndsShareOnce) {
   }
 }
 
-// Conditioned on where its end was measured, by weighing drawn runs.
-TEST(AssembledTrajectory, SigmasOfAPredictedRunAreThoseOfDrawnOnes) {
-  Part part(6);
-  SeededRandom random;
-  part.Predict(2, 5);
-  part.Adjust(1, part.odometry[1].world_from_left, Diagonal(0.004, 0.003));
-  for (const int i : {2, 3, 4}) {
-    part.odometry[i].step_covariance = Diagonal(0.02, 0.01);
-  }
-  part.odometry[5].step_covariance = Diagonal(0.04, 0.02);
-  const Trajectory trajectory = part.Assemble();
-  Vector6d squares = Vector6d::Zero();
-  double weights = 0.0;
-  const Rigid3 mean = part.odometry[3].world_from_left, end = part.odometry[5].world_from_left;
-  for (int draw = 0; draw < 100000; ++draw) {
-    const Rigid3 start =
-        Draw(*part.adjustment.world_from_left[1], part.adjustment.covariances[1], random);
-    Rigid3 pose = start, middle;
-    for (const int i : {2, 3, 4, 5}) {
-      const Matrix6d& step = part.odometry[std::min(i, 4)].step_covariance;
-      pose = pose * DrawStep(part.Step(i - 1, i).Inverse(), step, random).Inverse();
-      if (i == 3) middle = pose;
-    }
-    // The end as it was measured from the start, in the axes of the end.
-    const Rigid3 measured = start * part.odometry[1].world_from_left.Inverse() * end;
-    const Rigid3 off = pose.Inverse() * measured;
-    const double square = off.translation.squaredNorm() / (0.04 * 0.04) +
-                          LogRotation(off.rotation).squaredNorm() / (0.02 * 0.02);
-    const double weight = std::exp(-0.5 * square);
-    Vector6d error;
-    error << middle.translation - mean.translation,
-        LogRotation(middle.rotation * mean.rotation.conjugate());
-    squares += weight * error.cwiseAbs2();
-    weights += weight;
-  }
-  const Vector6d drawn = (squares / weights).cwiseSqrt();
-  for (int i = 0; i < 6; ++i) EXPECT_NEAR(trajectory[3].sigmas[i] / drawn[i], 1.0, 0.05) << i;
-}
-
 TEST(AssembledTrajectory, PredictedRunWithoutAnEndIsCarriedOnWithGrowingSigmas) {
   Part part(8);
   part.Predict(4, 8);
@@ -221,6 +182,45 @@ class Spread {
 };
 
 constexpr int kDraws = 10000;  // leave 0.7 % on a sigma
+
+// Conditioned on where its end was measured, by weighing drawn runs.
+TEST(AssembledTrajectory, SigmasOfAPredictedRunAreThoseOfDrawnOnes) {
+  Part part(6);
+  SeededRandom random;
+  part.Predict(2, 5);
+  part.Adjust(1, part.odometry[1].world_from_left, Diagonal(0.004, 0.003));
+  for (const int i : {2, 3, 4}) {
+    part.odometry[i].step_covariance = Diagonal(0.02, 0.01);
+  }
+  part.odometry[5].step_covariance = Diagonal(0.04, 0.02);
+  const Trajectory trajectory = part.Assemble();
+  Vector6d squares = Vector6d::Zero();
+  double weights = 0.0;
+  const Rigid3 mean = part.odometry[3].world_from_left, end = part.odometry[5].world_from_left;
+  for (int draw = 0; draw < 100000; ++draw) {
+    const Rigid3 start =
+        Draw(*part.adjustment.world_from_left[1], part.adjustment.covariances[1], random);
+    Rigid3 pose = start, middle;
+    for (const int i : {2, 3, 4, 5}) {
+      const Matrix6d& step = part.odometry[std::min(i, 4)].step_covariance;
+      pose = pose * DrawStep(part.Step(i - 1, i).Inverse(), step, random).Inverse();
+      if (i == 3) middle = pose;
+    }
+    // The end as it was measured from the start, in the axes of the end.
+    const Rigid3 measured = start * part.odometry[1].world_from_left.Inverse() * end;
+    const Rigid3 off = pose.Inverse() * measured;
+    const double square = off.translation.squaredNorm() / (0.04 * 0.04) +
+                          LogRotation(off.rotation).squaredNorm() / (0.02 * 0.02);
+    const double weight = std::exp(-0.5 * square);
+    Vector6d error;
+    error << middle.translation - mean.translation,
+        LogRotation(middle.rotation * mean.rotation.conjugate());
+    squares += weight * error.cwiseAbs2();
+    weights += weight;
+  }
+  const Vector6d drawn = (squares / weights).cwiseSqrt();
+  for (int i = 0; i < 6; ++i) EXPECT_NEAR(trajectory[3].sigmas[i] / drawn[i], 1.0, 0.05) << i;
+}
 
 TEST(AssembledTrajectory, SigmasOfAChainOfStepsAreThoseOfDrawnOnes) {
   Part part(4);

@@ -12,6 +12,7 @@
 #include "pose_graph/relax_poses.h"
 #include "trajectory/assemble_trajectory.h"
 #include "trajectory/starting_poses.h"
+#include "workflows/stages/calibration_output.h"
 #include "workflows/stages/sparse_output.h"
 #include "workflows/stages/trajectory.h"
 #include "workflows/stages/trajectory_output.h"
@@ -123,6 +124,7 @@ void PublishAdjusted(Publication& publication, const StageContext&, const Adjust
   const Adjustment& adjustment = part.adjustment;
   PublishSparse(MakeSparseOutput(dataset, adjustment, part.world_from_gauge), dataset, publication);
   PublishTrajectory(adjustment.rig, part.trajectory, publication);
+  PublishCalibration(dataset.rig, adjustment, publication);
   if (adjustment.IsRigCorrected()) PublishRig(WithFilesOf(dataset, adjustment.rig), publication);
 }
 
@@ -156,7 +158,8 @@ Report ReportAdjusted(const AdjustedPart& part, const Dataset& dataset, const Fe
 
 AdjustmentStage RigAdjustment() {
   std::vector<std::string> publishes = kTrajectoryOutputs;
-  publishes.insert(publishes.end(), {"rig_refined.yaml", "sparse", "sparse.ply"});
+  publishes.insert(publishes.end(),
+                   {"calibration.json", "rig_refined.yaml", "sparse", "sparse.ply"});
   return {.name = "adjustment",
           .about =
               "one pose per frame, the rig held and, where the images contradict it, corrected "

@@ -1,0 +1,74 @@
+#include "adjustment/pool_calibrations.h"
+
+#include <Eigen/Cholesky>
+
+namespace rigmap {
+namespace {
+
+// The parts' equations at one correction for all: they are linear about their own.
+CalibrationEquations EquationsAt(const CalibrationVector& correction,
+                                 const std::vector<CalibrationWitness>& parts,
+                                 const CalibrationWitness* left_out = nullptr) {
+  CalibrationEquations sum;
+  for (const CalibrationWitness& part : parts) {
+    if (&part == left_out) continue;
+    const CalibrationVector back = part.correction - correction;
+    for (const CalibrationBlock& block : part.equations.blocks) {
+      sum.blocks.push_back({block.score + block.information * back, block.information});
+      sum.score += sum.blocks.back().score;
+      sum.information += block.information;
+    }
+    sum.score_covariance += part.equations.score_covariance;
+  }
+  return sum;
+}
+
+}  // namespace
+
+std::optional<PooledCalibration> PoolCalibrations(const std::vector<CalibrationWitness>& parts,
+                                                  const CalibrationPrior& prior,
+                                                  const AdjustmentOptions& options) {
+  // What the parts say is as sure as it is: their correlations have been counted.
+  AdjustmentOptions counted = options;
+  counted.shared_noise = 1.0;
+  PooledCalibration result;
+  CalibrationVector correction = CalibrationVector::Zero();
+  for (bool settled = false; !settled;) {
+    const CalibrationEquations equations = EquationsAt(correction, parts);
+    const RigRefinement next =
+        NextRefinement(result.refined, correction, equations, prior, counted);
+    settled = next == result.refined;
+    result.refined = next;
+    const auto probable = MostProbable(next, correction, equations, prior, counted);
+    if (!probable) return std::nullopt;
+    correction = probable->correction;
+    settled = settled || options.refine_rig != RigRefinement::kAuto;
+  }
+  const CalibrationEquations equations = EquationsAt(correction, parts);
+  result.pooled = {correction,
+                   CalibrationError(result.refined, correction, equations, prior, counted)};
+  // Parts that contradict each other confirm nothing together: then all but the focal length is
+  // compared.
+  const RigRefinement compared =
+      result.refined == RigRefinement::kNone ? RigRefinement::kAllButFocal : result.refined;
+  for (const CalibrationWitness& part : parts) {
+    const auto alone =
+        MostProbable(compared, correction, EquationsAt(correction, {part}), prior, counted);
+    const auto others =
+        MostProbable(compared, correction, EquationsAt(correction, parts, &part), prior, counted);
+    if (!alone || !others) return std::nullopt;
+    WitnessComparison comparison{*alone, *others, 0.0};
+    CalibrationMatrix both = alone->covariance + others->covariance;
+    const auto freed = static_cast<double>((both.diagonal().array() > 0.0).count());
+    for (int i = 0; i < kCalibrationSize; ++i) {
+      if (!(both(i, i) > 0.0)) both(i, i) = prior.sigmas(i) * prior.sigmas(i);
+    }
+    const CalibrationVector difference = alone->correction - others->correction;
+    comparison.square_per_parameter =
+        difference.dot(both.ldlt().solve(difference)) / std::max(1.0, freed);
+    result.parts.push_back(comparison);
+  }
+  return result;
+}
+
+}  // namespace rigmap

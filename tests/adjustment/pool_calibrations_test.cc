@@ -1,0 +1,94 @@
+#include "adjustment/pool_calibrations.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tests/support/seeded_random.h"
+#include "tests/support/synthetic_rover.h"
+
+namespace rigmap {
+namespace {
+
+class PoolCalibrationsTest : public testing::Test {
+ protected:
+  // What a part says of a rig that is off by `truth`, each parameter to a twentieth of its prior in
+  // each of eight stretches; it has been corrected to `at`.
+  CalibrationWitness Witness(const CalibrationVector& truth, const CalibrationVector& at) {
+    CalibrationWitness part{at, {}};
+    for (int stretch = 0; stretch < 8; ++stretch) {
+      CalibrationBlock block;
+      block.information.diagonal() = 400.0 * prior_.sigmas.cwiseAbs2().cwiseInverse();
+      CalibrationVector told = truth;
+      for (int i = 0; i < kCalibrationSize; ++i) {
+        told(i) += random_.Normal(prior_.sigmas(i) / 20.0);
+      }
+      block.score = block.information * (told - at);
+      part.equations.blocks.push_back(block);
+      part.equations.score += block.score;
+      part.equations.information += block.information;
+    }
+    part.equations.score_covariance = part.equations.information;
+    return part;
+  }
+  CalibrationVector Off(double of_rotation, double of_focal) const {
+    CalibrationVector off = CalibrationVector::Zero();
+    off(kRotationY) = of_rotation * prior_.sigmas(kRotationY);
+    off(kLogFocal) = of_focal * prior_.sigmas(kLogFocal);
+    return off;
+  }
+  PooledCalibration Pool(const std::vector<CalibrationWitness>& parts) const {
+    return PoolCalibrations(parts, prior_, options_).value();
+  }
+
+  AdjustmentOptions options_;
+  CalibrationPrior prior_ = PriorOf(LocCamRig(), options_);
+  SeededRandom random_;
+};
+
+TEST_F(PoolCalibrationsTest, FindsWhatTheyHaveInCommonWhereverEachWasCorrectedTo) {
+  const CalibrationVector truth = Off(2.0, -1.5);
+  const PooledCalibration pooled = Pool({Witness(truth, CalibrationVector::Zero()),
+                                         Witness(truth, truth), Witness(truth, Off(1.0, 1.0))});
+  EXPECT_EQ(pooled.refined, RigRefinement::kAll);
+  const CalibrationVector off =
+      (pooled.pooled.correction - truth).cwiseQuotient(prior_.sigmas).cwiseAbs();
+  EXPECT_LT(off.maxCoeff(), 0.05);
+  for (const WitnessComparison& part : pooled.parts) {
+    EXPECT_LT(part.square_per_parameter, 1.6);
+  }
+  // Three know it better than one.
+  const PooledCalibration single = Pool({Witness(truth, truth)});
+  EXPECT_LT(pooled.pooled.covariance(kRotationY, kRotationY),
+            0.5 * single.pooled.covariance(kRotationY, kRotationY));
+}
+
+TEST_F(PoolCalibrationsTest, NamesAPartOfAnotherRig) {
+  const CalibrationVector truth = Off(1.0, 0.0), other = Off(-1.0, 0.0);
+  const PooledCalibration pooled =
+      Pool({Witness(truth, truth), Witness(truth, truth), Witness(other, other)});
+  EXPECT_GT(pooled.parts[2].square_per_parameter, 10.0);
+  EXPECT_GT(pooled.parts[2].square_per_parameter, 2.0 * pooled.parts[0].square_per_parameter);
+}
+
+TEST_F(PoolCalibrationsTest, CorrectsNothingWhereNothingIsWrong) {
+  const CalibrationVector zero = CalibrationVector::Zero();
+  const PooledCalibration pooled = Pool({Witness(zero, zero), Witness(zero, zero)});
+  EXPECT_EQ(pooled.refined, RigRefinement::kNone);
+  EXPECT_TRUE(pooled.pooled.correction.isZero());
+  // What is not corrected is still not known exactly.
+  EXPECT_GT(pooled.pooled.covariance(kLogFocal, kLogFocal), 0.0);
+}
+
+TEST(PriorOf, ARigFileThatStatesItsCovarianceIsTakenAtItsWord) {
+  StereoRig rig = LocCamRig();
+  CalibrationMatrix covariance = CalibrationMatrix::Identity();
+  covariance(kRotationY, kLeftCx) = covariance(kLeftCx, kRotationY) = 0.5;
+  rig.calibration_covariance = covariance;
+  const CalibrationPrior prior = PriorOf(rig, {});
+  EXPECT_EQ(prior.sigmas, CalibrationVector::Ones());
+  EXPECT_TRUE((prior.information * covariance).isIdentity(1e-9));
+}
+
+}  // namespace
+}  // namespace rigmap
