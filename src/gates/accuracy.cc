@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace rigmap {
 namespace {
@@ -31,8 +32,10 @@ std::optional<double> FarthestSigma(const Trajectory& trajectory) {
     if (way.norm() <= farthest_m) continue;
     farthest_m = way.norm();
     const Eigen::Vector3d direction = way / farthest_m;
-    sigma = std::sqrt(std::max(0.0, direction.dot(pose.position_covariance * direction))) /
-            std::max(kShortWay_m, farthest_m);
+    const double variance_m2 = direction.dot(pose.position_covariance * direction);
+    sigma = std::isfinite(variance_m2)
+                ? std::sqrt(std::max(0.0, variance_m2)) / std::max(kShortWay_m, farthest_m)
+                : std::numeric_limits<double>::infinity();
   }
   return sigma;
 }
@@ -41,6 +44,8 @@ std::optional<double> FarthestSigma(const Trajectory& trajectory) {
 
 double Radius95(const Eigen::Matrix3d& covariance) {
   constexpr double kNormal95 = 1.645;
+  // What is not a number must not pass for what is known.
+  if (!covariance.allFinite()) return std::numeric_limits<double>::infinity();
   const double trace = covariance.trace();
   if (!(trace > 0.0)) return 0.0;
   const double freedom = trace * trace / (covariance * covariance).trace();

@@ -26,7 +26,7 @@ Accuracy AccuracyOf(const Trajectory& trajectory, const Adjustment& adjustment,
 
 // Radius of the sphere that holds a normally distributed error with 95 %, to 2 % (the weighted sum
 // of squares taken as a scaled chi square, Satterthwaite 1946; its quantile by Wilson and Hilferty
-// 1931).
+// 1931). Infinite for what is not finite.
 double Radius95(const Eigen::Matrix3d& covariance);
 
 }  // namespace rigmap

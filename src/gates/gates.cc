@@ -211,10 +211,12 @@ std::string FailureReason(const Gates& gates) {
   const std::string* said = nullptr;
   for (const Gate& gate : gates) {
     // Of two gates on one thing the first speaks for both.
-    if (gate.passed || !gate.value || (said && gate.why == *said)) continue;
+    if (gate.passed || (said && gate.why == *said)) continue;
     said = &gate.why;
-    failed.push_back(fmt::format("gate {} is {:.4g}, limit {:.4g}: {}", gate.name, *gate.value,
-                                 gate.limit, gate.why));
+    // A value that is not finite cannot stand in JSON: read back it is missing.
+    const std::string value = gate.value ? fmt::format("{:.4g}", *gate.value) : "not a number";
+    failed.push_back(
+        fmt::format("gate {} is {}, limit {:.4g}: {}", gate.name, value, gate.limit, gate.why));
   }
   return fmt::format("{}", fmt::join(failed, "; "));
 }

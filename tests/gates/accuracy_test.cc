@@ -81,6 +81,14 @@ TEST(AccuracyOf, CountsTheStatedSigmaOfTheBaseline) {
   EXPECT_NEAR(accuracy.position_95_m.value(), 1.96 * 0.05, 0.002);  // 5 m from the start
 }
 
+TEST(AccuracyOf, WhatIsNotANumberIsNotKnown) {
+  Trajectory trajectory = Drive();
+  trajectory.back().position_covariance(0, 0) = std::nan("");
+  const Accuracy accuracy = AccuracyOf(trajectory, {}, LocCamRig());
+  EXPECT_TRUE(std::isinf(accuracy.scale_95_pct.value()));
+  EXPECT_TRUE(std::isinf(accuracy.position_95_m.value()));
+}
+
 TEST(AccuracyOf, OfARigThatStandsThereIsNone) {
   Trajectory trajectory = Drive();
   for (TimedPose& pose : trajectory) pose.world_from_left.translation *= 0.01;

@@ -393,6 +393,8 @@ TEST(FailureReasonText, NamesWhatFailedWithValueLimitAndWhy) {
               AllOf(HasSubstr("gate b is 2.5, limit 1: too much of b; "), HasSubstr("gate d"),
                     Not(HasSubstr("interest")), Not(HasSubstr("gate c"))));
   EXPECT_EQ(FailureReason({}), "");
+  EXPECT_EQ(FailureReason({{"e", std::nullopt, 1.0, false, "unknown e"}}),
+            "gate e is not a number, limit 1: unknown e");
 }
 
 }  // namespace
