@@ -187,7 +187,7 @@ CalibrationMatrix CalibrationError(RigRefinement refined, const CalibrationVecto
                                    const CalibrationPrior& prior,
                                    const AdjustmentOptions& options) {
   const auto all = MostProbable(RigRefinement::kAll, now, equations, prior, options);
-  if (!all) return CalibrationMatrix::Zero();
+  if (!all) return prior.sigmas.cwiseAbs2().asDiagonal();
   const CalibrationVector off = all->correction - now;
   constexpr double kConflictSigmas = 2.0;
   const double focal_variance = all->covariance(kLogFocal, kLogFocal);
