@@ -12,11 +12,12 @@ namespace {
 using Vector4 = Eigen::Vector4d;
 
 // Residual (normalised coordinates, left then right; right rows zero where unseen), its Jacobian
-// for a left perturbation, and how it answers to the depth of the point.
+// for a left perturbation, and how it answers to the point's depth and to the reference's keypoint.
 struct Linearised {
   Vector4 residual = Vector4::Zero();
   Eigen::Matrix<double, 4, 6> jacobian = Eigen::Matrix<double, 4, 6>::Zero();
   Vector4 depth_response = Vector4::Zero();  // for one sigma of depth
+  Eigen::Matrix<double, 4, 2> keypoint_response = Eigen::Matrix<double, 4, 2>::Zero();  // likewise
 };
 
 Eigen::Matrix<double, 2, 3> ProjectionJacobian(const Eigen::Vector3d& x) {
@@ -32,7 +33,8 @@ class PoseProblem {
       : sightings_(sightings),
         rig_(rig),
         options_(options),
-        noise_(options.noise_px / rig.left.camera.MeanFocal()) {}
+        noise_(options.noise_px / rig.left.camera.MeanFocal()),
+        reference_noise_(options.reference_noise_px / rig.left.camera.MeanFocal()) {}
 
   // Nothing for a point that falls behind a camera.
   std::optional<Linearised> Linearise(const PointSighting& sighting, const Rigid3& motion) const {
@@ -41,6 +43,9 @@ class PoseProblem {
     if (!(in_left.z() > 0.0) || !(in_right.z() > 0.0)) return std::nullopt;
     const Eigen::Vector3d ray = sighting.x_in_reference.normalized() * sighting.depth_sigma_m;
     const Eigen::Vector3d depth_step = motion.rotation * ray;
+    const Eigen::Matrix<double, 3, 2> keypoint_step =
+        reference_noise_ * sighting.x_in_reference.z() *
+        motion.rotation.toRotationMatrix().leftCols<2>();
     Eigen::Matrix<double, 3, 6> motion_jacobian;
     motion_jacobian << Eigen::Matrix3d::Identity(), -Skew(in_left);
     Linearised result;
@@ -48,22 +53,31 @@ class PoseProblem {
     result.residual.head<2>() = in_left.hnormalized() - sighting.left;
     result.jacobian.topRows<2>() = left * motion_jacobian;
     result.depth_response.head<2>() = left * depth_step;
+    result.keypoint_response.topRows<2>() = left * keypoint_step;
     if (sighting.right) {
       const Eigen::Matrix<double, 2, 3> right =
           ProjectionJacobian(in_right) * rig_.right_from_left.rotation.toRotationMatrix();
       result.residual.tail<2>() = in_right.hnormalized() - *sighting.right;
       result.jacobian.bottomRows<2>() = right * motion_jacobian;
       result.depth_response.tail<2>() = right * depth_step;
+      result.keypoint_response.bottomRows<2>() = right * keypoint_step;
     }
     return result;
   }
 
-  // Inverse covariance noise^2 I + d d^T of the residual, by Sherman and Morrison.
+  // Inverse covariance of the residual, by Sherman and Morrison, which bears responses of any size:
+  // points may come to lie beside a camera.
   Eigen::Matrix4d Information(const Linearised& at) const {
-    const double variance = noise_ * noise_;
-    const Vector4& d = at.depth_response;
-    return (Eigen::Matrix4d::Identity() - d * d.transpose() / (variance + d.squaredNorm())) /
-           variance;
+    Eigen::Matrix4d information = Eigen::Matrix4d::Identity() / (noise_ * noise_);
+    const auto add = [&](const Vector4& response) {
+      const Vector4 scaled = information * response;
+      information -= scaled * scaled.transpose() / (1.0 + response.dot(scaled));
+    };
+    add(at.depth_response);
+    if (reference_noise_ > 0.0) {
+      for (const Vector4 response : at.keypoint_response.colwise()) add(response);
+    }
+    return information;
   }
 
   // Squared distance in sigmas per seen eye; infinite behind a camera.
@@ -134,7 +148,7 @@ class PoseProblem {
   std::span<const PointSighting> sightings_;
   const StereoRig& rig_;
   const StereoPoseOptions& options_;
-  double noise_;
+  double noise_, reference_noise_;
 };
 
 // Up to four motions that carry three points onto their left sightings.

@@ -20,7 +20,10 @@ struct PointSighting {
 };
 
 struct StereoPoseOptions {
-  double noise_px = 0.3;    // of a sighting, one standard deviation per axis
+  double noise_px = 0.3;  // of a sighting, one standard deviation per axis
+  // Likewise of the reference's own keypoint across the line of sight: both eyes' sightings of a
+  // point are off by it together. None where sightings are measured from the reference's patch.
+  double reference_noise_px = 0.0;
   double max_sigmas = 4.0;  // an inlier lies within so many, noise and depth sigma together
   int min_inliers = 15;     // below, a wrong motion may fit as well by chance
   int max_samples = 200;    // of three points, for the random search

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "core/statistics.h"
 #include "correspondence/sightings.h"
@@ -57,7 +58,9 @@ std::optional<Found> Solve(const Reference& reference, const FrameFeatures& curr
                            const Rigid3& predicted, const OdometryOptions& options) {
   const auto seen = SightingsOf(matches, reference.points, current.features, rig);
   StereoPoseOptions pose_options;
-  pose_options.noise_px = options.keypoint_noise_px;
+  // A match scatters by the noise of two keypoints.
+  pose_options.noise_px = pose_options.reference_noise_px =
+      options.keypoint_noise_px / std::numbers::sqrt2;
   pose_options.max_sigmas = options.max_sigmas;
   pose_options.min_inliers = options.min_inliers;
   const std::array<Rigid3, 2> guesses{predicted, Rigid3()};
