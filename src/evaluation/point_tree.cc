@@ -95,6 +95,7 @@ std::vector<std::uint32_t> PointTree<Point>::AllWithin(const Query& x, double re
 }
 
 template class PointTree<Eigen::Vector3f>;
+template class PointTree<Eigen::Vector3d>;
 template class PointTree<Eigen::Vector2d>;
 
 }  // namespace rigmap

@@ -15,7 +15,7 @@ struct Neighbour {
   double distance = 0.0;
 };
 
-// A k-d tree over Eigen::Vector3f or Eigen::Vector2d; distances are taken in double precision.
+// A k-d tree over Eigen::Vector3f, Vector3d or Vector2d; distances are taken in double precision.
 // Refers to the points, which must outlive it and stay; takes about 15 bytes a point itself.
 // Queries may come from several threads at once.
 template <class Point>
@@ -40,6 +40,7 @@ class PointTree {
 };
 
 extern template class PointTree<Eigen::Vector3f>;
+extern template class PointTree<Eigen::Vector3d>;
 extern template class PointTree<Eigen::Vector2d>;
 
 }  // namespace rigmap
