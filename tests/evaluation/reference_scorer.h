@@ -31,7 +31,7 @@ class ReferenceScorerTest : public testing::Test {
     const char* data = std::getenv("RIGMAP_DATA");
     if (!data) GTEST_SKIP() << "RIGMAP_DATA is not set";
     data_ = data;
-    for (const char* name : {"trajectory_metrics.py", "map_metrics.py", "rock_metrics.py"}) {
+    for (const char* name : {"trajectory_metrics.py", "map_metrics.py", "rock_fit.py"}) {
       if (!std::filesystem::exists(Scorer(name))) GTEST_SKIP() << Scorer(name) << " does not exist";
     }
     if (!std::filesystem::exists(kPython)) GTEST_SKIP() << kPython << " does not exist";

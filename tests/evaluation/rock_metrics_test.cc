@@ -1,3 +1,4 @@
+// Which rocks are judged, by which points, and what is said of them.
 #include "evaluation/rock_metrics.h"
 
 #include <gtest/gtest.h>
@@ -10,104 +11,11 @@
 namespace rigmap {
 namespace {
 
-const Dome kDome{{1.0, 1.5}, 0.25};
-constexpr double kTopTolerance_m = 0.003;  // a 200th of the points may lie higher
-
-Points Rock(const MapTruth& truth) {
-  Points points;
-  for (std::size_t i = 0; i < truth.surface.size(); ++i) {
-    if (truth.surface.kind[i] == kRockKind) points.push_back(truth.surface.x_in_truth[i]);
-  }
-  return points;
-}
-
-Points Sand(const MapTruth& truth) {
-  Points points;
-  for (std::size_t i = 0; i < truth.surface.size(); ++i) {
-    if (truth.surface.kind[i] != kRockKind) points.push_back(truth.surface.x_in_truth[i]);
-  }
-  return points;
-}
-
-Points Together(Points points, const Points& more) {
-  points.insert(points.end(), more.begin(), more.end());
-  return points;
-}
-
-RockMetrics OnlyRock(const Points& map, const MapTruth& truth) {
-  const auto rocks = CompareRocks(AlreadyAligned(map, truth));
-  if (rocks.size() != 1) throw std::runtime_error("expected one rock");
-  return rocks.front();
-}
-
-TEST(CompareRocks, FindsNoErrorInTheTruth) {
-  const MapTruth truth = MakeBeach({kDome});
-  const RockMetrics rock = OnlyRock(PerfectMap(truth), truth);
-  EXPECT_EQ(rock.visible_points, Rock(truth).size());
-  EXPECT_EQ(rock.completeness, 1.0);
-  EXPECT_TRUE(rock.Found());
-  EXPECT_EQ(rock.ghost_share, 0.0);
-  EXPECT_LT(rock.deformation.value().shift_m, 1e-3);
-  EXPECT_NEAR(rock.top_m.value(), 0.0, kTopTolerance_m);
-}
-
-// Without the sand beside it: points of that count as matches of the rock's foot too.
-TEST(CompareRocks, FindsNoStretchInTheTrueRock) {
-  const MapTruth truth = MakeBeach({kDome});
-  const auto found = OnlyRock(Rock(truth), truth).deformation.value();
-  EXPECT_LT(found.shift_m, 1e-6);
-  EXPECT_LT((found.stretch - Eigen::Vector3d::Ones()).cwiseAbs().maxCoeff(), 1e-6);
-}
-
-TEST(CompareRocks, MeasuresAShift) {
-  const MapTruth truth = MakeBeach({kDome});
-  const Points map = Together(Sand(truth), Displaced(Rock(truth), {0.006F, 0.008F, 0.0F}));
-  EXPECT_NEAR(OnlyRock(map, truth).deformation.value().shift_m, 0.010, 0.001);
-}
-
-TEST(CompareRocks, MeasuresAStretchAlongTheView) {
-  const MapTruth truth = MakeBeach({kDome});
-  Points rock = Rock(truth);  // seen along y, from (1, 0)
-  for (auto& x : rock) x.y() = 1.5F + 1.04F * (x.y() - 1.5F);
-  const auto found = OnlyRock(rock, truth).deformation.value();
-  EXPECT_NEAR(found.stretch.x(), 1.04, 0.006);
-  EXPECT_NEAR(found.stretch.y(), 1.00, 0.006);
-  EXPECT_NEAR(found.stretch.z(), 1.00, 0.006);
-  EXPECT_LT(found.sigma_stretch.maxCoeff(), 0.02);
-  const auto json = ToJson(CompareRocks(AlreadyAligned(rock, truth)));
-  EXPECT_NEAR(json["stretch_max_off"].get<double>(), 0.04, 0.006);
-}
-
-TEST(CompareRocks, MeasuresTheTop) {
-  const MapTruth truth = MakeBeach({kDome});
-  Points rock = Rock(truth);
-  for (auto& x : rock) x.z() *= 1.12F;
-  const auto metrics = OnlyRock(rock, truth);
-  EXPECT_NEAR(metrics.top_m.value(), 0.03, kTopTolerance_m);
-  EXPECT_NEAR(metrics.deformation.value().stretch.z(), 1.12, 0.015);
-}
-
-TEST(CompareRocks, SeesASecondCopyAsGhosts) {
-  const MapTruth truth = MakeBeach({kDome});
-  const Points copy = Displaced(Rock(truth), {0.0F, 0.0F, 0.15F});
-  const RockMetrics rock = OnlyRock(Together(PerfectMap(truth), copy), truth);
-  // What of the copy lies over 4 cm outside the ball, and what of rock and copy over the sand.
-  const Eigen::Vector3f centre(1.0F, 1.5F, 0.0F);
-  const double ghosts = static_cast<double>(std::count_if(
-      copy.begin(), copy.end(), [&](const auto& x) { return (x - centre).norm() > 0.29F; }));
-  const Points once = Rock(truth);
-  const double above = static_cast<double>(
-      std::count_if(once.begin(), once.end(), [](const auto& x) { return x.z() > 0.05F; }));
-  EXPECT_NEAR(rock.ghost_share.value(), ghosts / (above + static_cast<double>(copy.size())), 0.01);
-  EXPECT_GT(*rock.ghost_share, 0.2);
-  EXPECT_EQ(rock.completeness, 1.0);
-}
-
 TEST(CompareRocks, CountsHalfARockAsFoundAndLessAsNot) {
   const MapTruth truth = MakeBeach({kDome});
   for (const float share : {0.35F, 0.65F}) {
     Points part;
-    for (const auto& x : Rock(truth)) {
+    for (const auto& x : PointsOfKind(truth, true)) {
       if (x.x() < 0.75F + 0.5F * share) part.push_back(x);
     }
     const RockMetrics rock = OnlyRock(part, truth);
@@ -121,18 +29,41 @@ TEST(CompareRocks, SaysOfAMissingRockThatItIsMissing) {
   const auto json = ToJson(CompareRocks(AlreadyAligned({}, truth)));
   EXPECT_EQ(json["rocks"], 1);
   EXPECT_EQ(json["found"], 0);
-  EXPECT_TRUE(json["shift_max_mm"].is_null());
-  EXPECT_FALSE(json["each"][0].contains("stretch"));
-  EXPECT_FALSE(json["each"][0].contains("ghost_pct"));
+  EXPECT_EQ(json["stretch_counted"], 0);
+  for (const char* key : {"shift_max_mm", "stretch_max_off", "top_max_mm", "ghost_max_pct",
+                          "ghost_4cm_max_pct", "doubled_max_pct"}) {
+    EXPECT_TRUE(json[key].is_null()) << key;
+  }
+  const auto& rock = json["each"][0];
+  for (const char* key : {"shift_mm", "stretch", "sigma_stretch", "top_mm", "ghost_pct"}) {
+    EXPECT_TRUE(rock.contains(key) && rock[key].is_null()) << key;
+  }
+  for (const char* key : {"shift_vector_mm", "rms_mm", "doubled_pct", "ghost_4cm_pct"}) {
+    EXPECT_FALSE(rock.contains(key)) << key;
+  }
 }
 
 TEST(CompareRocks, GivesTouchingRocksTheirOwnPoints) {
   const MapTruth truth = MakeBeach({{{1.0, 1.2}, 0.25}, {{1.5, 1.2}, 0.25}});
   const auto rocks = CompareRocks(AlreadyAligned(PerfectMap(truth), truth));
   ASSERT_EQ(rocks.size(), 2U);
-  EXPECT_EQ(rocks[0].visible_points + rocks[1].visible_points, Rock(truth).size());
+  EXPECT_EQ(rocks[0].visible_points + rocks[1].visible_points, PointsOfKind(truth, true).size());
   EXPECT_NEAR(static_cast<double>(rocks[0].visible_points),
               static_cast<double>(rocks[1].visible_points), 20.0);
+}
+
+// Where a neighbour is shifted, only what is 5 cm from it counts.
+TEST(CompareRocks, DoesNotTakeANeighbourForTheRock) {
+  const Dome first{{1.0, 1.2}, 0.25}, second{{1.5, 1.2}, 0.25};
+  const MapTruth truth = MakeBeach({first, second});
+  Points map = PerfectMap(truth);
+  for (auto& x : map) {
+    if (x.x() > 1.25F && x.z() > 0.0F) x.z() += 0.02F;
+  }
+  const auto rocks = CompareRocks(AlreadyAligned(map, truth));
+  ASSERT_EQ(rocks.size(), 2U);
+  EXPECT_LT(rocks[0].shift.value().along_axes_m.norm(), 0.001);
+  EXPECT_NEAR(rocks[1].shift.value().along_axes_m.z(), 0.02, 0.001);
 }
 
 TEST(CompareRocks, LeavesOutRocksThatAreFarOrHardlyVisible) {
@@ -149,6 +80,40 @@ TEST(CompareRocks, AnswersWhereThereIsNoRock) {
   EXPECT_EQ(json["rocks"], 0);
   EXPECT_TRUE(json["ghost_max_pct"].is_null());
   EXPECT_TRUE(json["each"].is_array() && json["each"].empty());
+}
+
+// A list of rocks that does not fit the surface: the only rock of the list stands elsewhere.
+TEST(CompareRocks, SaysOfARockWithoutASurfaceThatItIsMissing) {
+  MapTruth truth = MakeBeach({kDome});
+  truth.rocks[0].x_in_truth.y() -= 3.0;
+  const RockMetrics rock = OnlyRock(PerfectMap(truth), truth);
+  EXPECT_EQ(rock.visible_points, 0U);
+  EXPECT_FALSE(rock.Found());
+  EXPECT_FALSE(rock.shift || rock.stretch || rock.top_m || rock.ghosts);
+}
+
+RockMetrics FittedRock(double stretch, double sigma, double top_m) {
+  RockMetrics rock{.completeness = 1.0, .top_m = top_m};
+  rock.stretch = RockStretch{Eigen::Vector3d(stretch, 1.001, 0.9),
+                             Eigen::Vector3d(sigma, 0.003, 0.05), 0.002, 0.1};
+  return rock;
+}
+
+TEST(RocksJson, TakesTheWorstOfStretchesThatAreKnownAndTheMagnitudeOfTops) {
+  const auto json = ToJson({FittedRock(0.97, 0.019, -0.012), FittedRock(1.08, 0.021, 0.004)});
+  EXPECT_EQ(json["stretch_max_off"], 0.03);
+  EXPECT_EQ(json["stretch_counted"], 3);
+  EXPECT_EQ(json["top_max_mm"], 12.0);
+  EXPECT_EQ(json["doubled_max_pct"], 10.0);
+  EXPECT_TRUE(json["shift_max_mm"].is_null());
+}
+
+TEST(RocksJson, SaysZeroWhereFittedStretchesAreAllUnknown) {
+  RockMetrics rock = FittedRock(1.08, 0.03, 0.0);
+  rock.stretch->sigma.setConstant(0.03);
+  const auto json = ToJson({rock});
+  EXPECT_EQ(json["stretch_max_off"], 0.0);
+  EXPECT_EQ(json["stretch_counted"], 0);
 }
 
 }  // namespace

@@ -48,6 +48,7 @@ void ExpectAsOneByOne() {
 
 TEST(PointTree, FindsWhatLookingOneByOneFinds) {
   ExpectAsOneByOne<Eigen::Vector3f>();
+  ExpectAsOneByOne<Eigen::Vector3d>();
   ExpectAsOneByOne<Eigen::Vector2d>();
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <stdexcept>
 
 namespace rigmap {
 namespace {
@@ -65,6 +66,26 @@ MapTruth MakeBeach(const std::vector<Dome>& domes) {
 Points Displaced(Points points, const Eigen::Vector3f& by) {
   for (auto& x : points) x += by;
   return points;
+}
+
+Points PointsOfKind(const MapTruth& truth, bool rock) {
+  Points points;
+  for (std::size_t i = 0; i < truth.surface.size(); ++i) {
+    const bool is_rock = truth.surface.kind[i] == kRockKind;
+    if (is_rock == rock) points.push_back(truth.surface.x_in_truth[i]);
+  }
+  return points;
+}
+
+Points Together(Points points, const Points& more) {
+  points.insert(points.end(), more.begin(), more.end());
+  return points;
+}
+
+RockMetrics OnlyRock(const Points& map, const MapTruth& truth) {
+  const auto rocks = CompareRocks(AlreadyAligned(map, truth));
+  if (rocks.size() != 1) throw std::runtime_error("expected one rock");
+  return rocks.front();
 }
 
 }  // namespace rigmap

@@ -83,7 +83,7 @@ TEST_F(RealData, BeachPartIsMetric) {
   };
   const std::string tum = out_ / "trajectory.tum";
   EXPECT_EQ(metrics["map"], scored("map_metrics.py", {out_ / "dense.ply", tum, truth}));
-  EXPECT_EQ(metrics["rocks"], scored("rock_metrics.py", {out_ / "dense.ply", tum, truth}));
+  EXPECT_EQ(metrics["rocks"], scored("rock_fit.py", {out_ / "dense.ply", tum, truth}));
   json trajectory = metrics;
   for (const char* key : {"map", "rocks", "rtk", "surveyed_rocks"}) trajectory.erase(key);
   ExpectEqual(trajectory, scored("trajectory_metrics.py", {tum, truth / "trajectory.tum"}));

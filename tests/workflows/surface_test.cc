@@ -1,6 +1,7 @@
 // The map of a small simulated part, judged by its truth and by its survey.
 #include <gmock/gmock.h>
 
+#include <cstdlib>
 #include <nlohmann/json.hpp>
 
 #include "core/file.h"
@@ -72,6 +73,18 @@ TEST_F(SurfaceOfASimulatedPart, IsJudgedTheSameByEvaluate) {
   const json again = json::parse(end.out);
   EXPECT_EQ(again["map"], Evaluation()["map"]);
   EXPECT_EQ(again["rocks"], Evaluation()["rocks"]);
+}
+
+TEST_F(SurfaceOfASimulatedPart, HasRocksThatAnotherScorerJudgesAlike) {
+  const char* data = std::getenv("RIGMAP_DATA");
+  const fs::path scorer = fs::path(data ? data : "") / ".." / "score" / "rock_fit.py";
+  if (!data || !fs::exists(scorer) || !fs::exists(kPython)) {
+    GTEST_SKIP() << "RIGMAP_DATA, the scorer beside it or Debian's python3 is missing";
+  }
+  const ProgramEnd scored =
+      RunProgram(kPython, {scorer, Out() / "dense.ply", Out() / "trajectory.tum", Truth()});
+  ASSERT_EQ(scored.exit_code, 0) << scored.err;
+  EXPECT_EQ(Evaluation()["rocks"], json::parse(scored.out));
 }
 
 TEST_F(SurfaceOfASimulatedPart, IsLaidOnItsFixesAndSurvey) {
