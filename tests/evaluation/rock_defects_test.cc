@@ -139,24 +139,20 @@ TEST_F(RockDefects, AreNotFoundInTheSand) {
             0.01);
 }
 
-// A face that is mapped ten times as densely counts no more.
+// Half a rock in its position, half of it shifted: a compromise, however densely either is mapped.
 TEST_F(RockDefects, DoNotDependOnHowManyPointsShowThem) {
-  Points map = rock_;
+  Points once, dense;
   for (const auto& x : rock_) {
     const bool front = x.y() < 1.5F;
-    map.push_back(front ? x : Eigen::Vector3f(x + 0.008F * kView));
-    for (int copy = 0; front && copy < 9; ++copy) map.push_back(x);
+    once.push_back(front ? x : Eigen::Vector3f(x + 0.008F * kView));
+    dense.insert(dense.end(), front ? 10 : 1, once.back());
   }
-  std::erase_if(map, [n = 0](const auto& x) mutable { return x.y() >= 1.5F && ++n % 2 == 0; });
-  const double dense = Judge(map).shift.value().along_axes_m.x();
-  std::sort(map.begin(), map.end(), [](const auto& a, const auto& b) {
-    return std::lexicographical_compare(a.data(), a.data() + 3, b.data(), b.data() + 3);
-  });
-  map.erase(std::unique(map.begin(), map.end()), map.end());
-  EXPECT_NEAR(dense, Judge(map).shift.value().along_axes_m.x(), 0.0005);
+  const double shift_m = Judge(once).shift.value().along_axes_m.x();
+  EXPECT_NEAR(shift_m, 0.004, 0.0015);
+  EXPECT_NEAR(Judge(dense).shift.value().along_axes_m.x(), shift_m, 0.0004);
 }
 
-// A cap that all faces up tells its height and nothing else.
+// A cap all of which faces up tells its height and nothing else.
 TEST_F(RockDefects, CountOnlyAlongWhatTheRockFaces) {
   truth_ = MakeBeach({{{1.0, 2.0}, 1.0}});
   for (std::size_t i = 0; i < truth_.surface.size(); ++i) {
