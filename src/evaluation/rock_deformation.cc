@@ -4,6 +4,7 @@
 #include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <vector>
 
@@ -17,7 +18,7 @@ constexpr double kHuber_m = 0.005;             // the noise of a map that is goo
 constexpr std::size_t kMinPointsOfPatch = 3;   // fewer may all be stray
 constexpr std::size_t kSpareObservations = 3;  // beyond the unknowns
 constexpr int kMaxRounds = 25;
-constexpr double kLastStep = 5e-5;      // m and 1: half of what is printed
+constexpr double kLastStep = 5e-5;      // m, and of a stretch: less than is printed
 constexpr double kMaxStretchOff = 0.5;  // beyond, it is no longer this rock
 constexpr double kLeastResidual_m = 1e-9;
 constexpr double kLeastWeight = 1e-9;
@@ -63,7 +64,7 @@ CoreObservations Observe(std::span<const Eigen::Vector3d> map_points, const Rock
 // What the points tell about a deformation, once it is undone.
 struct PointReadings {
   std::vector<Eigen::Vector3d> x_true;  // the rock's nearest point
-  std::vector<double> offset_m;         // from its tangent plane, as long as it is in the map
+  std::vector<double> offset_m;         // from its tangent plane, as it is in the map
   std::vector<Vector6d> slope;          // of the offset, by the parameters
 };
 
@@ -122,13 +123,13 @@ PointReadings DeformationProblem::Read(const Deformation& deformation) const {
     const Eigen::Vector3d& x_true = truth_.own.x[nearest->index];
     const Eigen::Vector3d& normal = truth_.own.normal[nearest->index];
     const Eigen::Vector3d normal_in_view = axes_ * normal;
-    // The plane's normal in the map has this length: distances there are shorter by it.
-    const double length = normal_in_view.cwiseQuotient(stretch).norm();
+    // By this factor undoing the stretch changes distances from the plane.
+    const double factor = normal_in_view.cwiseQuotient(stretch).norm();
     readings.x_true.push_back(x_true);
-    readings.offset_m.push_back((undone - x_true).dot(normal) / length);
+    readings.offset_m.push_back((undone - x_true).dot(normal) / factor);
     Vector6d slope;
     slope << normal, normal_in_view.cwiseProduct(axes_ * (x_true - centre));
-    readings.slope.push_back(slope / length);
+    readings.slope.push_back(slope / factor);
   }
   return readings;
 }

@@ -2,8 +2,12 @@
 
 #include <tbb/parallel_for.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
+#include <cstdint>
+#include <iterator>
 #include <limits>
+#include <span>
 
 #include "evaluation/internal/rock_deformation.h"
 #include "evaluation/internal/rock_top.h"

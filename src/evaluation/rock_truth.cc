@@ -1,6 +1,7 @@
 #include "evaluation/internal/rock_truth.h"
 
 #include <algorithm>
+#include <iterator>
 #include <limits>
 
 #include "core/statistics.h"

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <vector>
 
 #include "evaluation/internal/rounded.h"
 #include "evaluation/rock_metrics.h"
