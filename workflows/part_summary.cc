@@ -40,6 +40,7 @@ Report Blank() {
             {"infinity_offset_px", nullptr},
             {"infinity_offset_sigma_px", nullptr}}},
           {"gates", Report::array()},
+          {"depth_consistency", nullptr},
           {"verdict",
            {{"text", nullptr},
             {"scale_95_pct", nullptr},

@@ -181,6 +181,28 @@ Gates JudgePoses(const GateInputs& inputs, const PoseGateOptions& options) {
   return gates;
 }
 
+Gate JudgeDepthConsistency(const std::optional<DepthConsistency>& consistency,
+                           const PoseGateOptions& options) {
+  constexpr double kSigmas = 2.0;
+  const auto at_least = [](const DepthPartition* partition) {
+    return partition->depth_pct.value - kSigmas * partition->depth_pct.sigma;
+  };
+  Gate gate = AtMost("depth_consistency_pct", std::nullopt, options.accuracy_pct,
+                     "too little is seen to compare stereo with temporal depth");
+  if (!consistency) return gate;
+  const DepthPartition* worse =
+      std::max(&consistency->radius, &consistency->cells,
+               [&](const auto* a, const auto* b) { return at_least(a) < at_least(b); });
+  gate.value = worse->depth_pct.value;
+  gate.passed = at_least(worse) <= options.accuracy_pct;
+  gate.why = fmt::format(
+      "stereo and temporal depth differ from one {} of the image to another, by {:.2g} +- {:.2g} % "
+      "or {:.2g} px of disparity beyond noise",
+      worse == &consistency->radius ? "ring" : "cell", worse->depth_pct.value,
+      worse->depth_pct.sigma, worse->disparity_px.value);
+  return gate;
+}
+
 Gates JudgePart(const GateInputs& inputs, const GateOptions& options) {
   Gates gates = JudgeMapping(ShapeOf(inputs.aligned), options.mapping);
   if (inputs.adjustment.IsRigCorrected()) {
@@ -197,6 +219,7 @@ Gates JudgePart(const GateInputs& inputs, const GateOptions& options) {
         JudgeCalibration(inputs, options.calibration)}) {
     gates.insert(gates.end(), more.begin(), more.end());
   }
+  gates.push_back(JudgeDepthConsistency(inputs.depth_consistency, options.poses));
   return gates;
 }
 

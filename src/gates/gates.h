@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "gates/depth_consistency.h"
 #include "gates/gate_options.h"
 #include "scene/adjustment.h"
 #include "scene/aligned_keyframes.h"
@@ -23,6 +24,7 @@ struct GateInputs {
   const Trajectory& trajectory;
   const AlignedKeyframes* aligned = nullptr;
   std::vector<float> epipolar_px;  // median absolute error of each frame
+  std::optional<DepthConsistency> depth_consistency;
 };
 
 // The gates on what COLMAP made: baseline_spread, baseline_rejected, registered.
@@ -51,6 +53,12 @@ Gates JudgeCalibration(const GateInputs& inputs, const CalibrationGateOptions& o
 
 // The gates on the trajectory that came of it: predicted, scale_95_pct, position_95_pct.
 Gates JudgePoses(const GateInputs& inputs, const PoseGateOptions& options);
+
+// depth_consistency_pct: the systematic difference of stereo and temporal depth, over rings or over
+// cells of the image, whichever is the surer to be large. It fails where it exceeds the accuracy
+// asked for by two of its sigmas: such a depth field cannot give metres as good.
+Gate JudgeDepthConsistency(const std::optional<DepthConsistency>& consistency,
+                           const PoseGateOptions& options);
 
 // All gates but depth_bias_px.
 Gates JudgePart(const GateInputs& inputs, const GateOptions& options);

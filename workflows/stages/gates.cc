@@ -4,6 +4,7 @@
 
 #include "gates/accuracy.h"
 #include "pipeline/code_identity.h"
+#include "workflows/stages/depth_consistency_report.h"
 #include "workflows/stages/mapping.h"
 
 namespace rigmap {
@@ -57,6 +58,7 @@ Report ReportPart(const Gates& gates, const GateInputs& inputs, const PoseGateOp
                        *accuracy.scale_95_pct, Length(*accuracy.position_95_m));
   }
   report["verdict"]["text"] = text + AboutRig(inputs.rig, inputs.adjustment);
+  report["depth_consistency"] = ReportDepthConsistency(inputs.depth_consistency);
   return report;
 }
 
@@ -71,7 +73,8 @@ Report JudgeAdjusted(const Dataset& dataset, const FeatureIndex& features,
                           part.adjustment,
                           part.trajectory,
                           was_mapped ? &aligned : nullptr,
-                          features.epipolar_px};
+                          features.epipolar_px,
+                          DepthConsistencyOf(part.adjustment)};
   return ReportPart(JudgePart(inputs, {mapping, poses, adjustment, calibration, {}}), inputs,
                     poses);
 }
