@@ -1,9 +1,7 @@
 #include "gates/depth_consistency.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <map>
 
 #include "core/statistics.h"
 
@@ -11,13 +9,12 @@ namespace rigmap {
 namespace {
 
 constexpr int kMinTracks = 20;
-// Tracks that are seen together share errors of the poses; stretches of the drive do not.
-constexpr int kStretches = 8;
 
-// One term of a regression through the origin: y = slope x + noise.
+// One term of a regression through the origin: y = slope x + noise. Terms of a track follow each
+// other.
 struct Term {
   double x = 1.0, y = 0.0, weight = 1.0;
-  int track = 0, stretch = 0;
+  int track = 0;
 };
 
 double SlopeOf(const std::vector<Term>& terms) {
@@ -42,18 +39,18 @@ void WeightRobustly(double slope, const std::vector<Term>& unweighted, std::vect
   }
 }
 
-// Of the slope, if the scores of different clusters are independent (Liang and Zeger 1986).
-double ClusteredSigma(double slope, const std::vector<Term>& terms, int Term::*cluster) {
-  std::map<int, double> scores;
-  double xx = 0.0, squares = 0.0;
-  for (const Term& term : terms) {
-    scores[term.*cluster] += term.weight * term.x * (term.y - slope * term.x);
+// Of the slope, if only the scores of different tracks are independent (Liang and Zeger 1986).
+double ClusteredSigma(double slope, const std::vector<Term>& terms) {
+  double xx = 0.0, squares = 0.0, score = 0.0;
+  for (std::size_t i = 0; i < terms.size(); ++i) {
+    const Term& term = terms[i];
+    score += term.weight * term.x * (term.y - slope * term.x);
     xx += term.weight * term.x * term.x;
+    if (i + 1 < terms.size() && terms[i + 1].track == term.track) continue;
+    squares += score * score;
+    score = 0.0;
   }
-  if (scores.size() < 2) return 0.0;
-  for (const auto& [name, score] : scores) squares += score * score;
-  const auto count = static_cast<double>(scores.size());
-  return std::sqrt(squares * count / (count - 1.0)) / xx;
+  return std::sqrt(squares) / xx;
 }
 
 MeanDifference RobustSlope(const std::vector<Term>& unweighted) {
@@ -64,8 +61,7 @@ MeanDifference RobustSlope(const std::vector<Term>& unweighted) {
     WeightRobustly(slope, unweighted, terms);
     slope = SlopeOf(terms);
   }
-  return {slope, std::max(ClusteredSigma(slope, terms, &Term::track),
-                          ClusteredSigma(slope, terms, &Term::stretch))};
+  return {slope, ClusteredSigma(slope, terms)};
 }
 
 int TrackCount(const std::vector<Term>& terms) {
@@ -106,41 +102,19 @@ SystematicDifference Systematic(const std::vector<std::optional<RegionDifference
 }
 
 template <class RegionOf>
-DepthPartition Partition(const std::vector<DepthDifference>& differences,
-                         const std::vector<int>& stretches, std::size_t count,
+DepthPartition Partition(const std::vector<DepthDifference>& differences, int count,
                          const RegionOf& region_of) {
-  std::vector<std::vector<Term>> terms(count);
-  for (std::size_t i = 0; i < differences.size(); ++i) {
-    const DepthDifference& difference = differences[i];
-    const int region = std::clamp(region_of(difference.pixel), 0, static_cast<int>(count) - 1);
-    terms[static_cast<std::size_t>(region)].push_back(
+  std::vector<std::vector<Term>> terms(static_cast<std::size_t>(count));
+  for (const DepthDifference& difference : differences) {
+    terms[std::clamp(region_of(difference.pixel), 0, count - 1)].push_back(
         {difference.disparity_px, difference.difference_px, 1.0 / difference.variance,
-         difference.track, stretches[i]});
+         difference.track});
   }
   DepthPartition partition;
   for (const auto& some : terms) partition.regions.push_back(DifferenceOf(some));
   partition.disparity_px = Systematic(partition.regions, &RegionDifference::disparity_px);
   partition.depth_pct = Systematic(partition.regions, &RegionDifference::depth_pct);
   return partition;
-}
-
-// Of each difference, the stretch in which its track begins: eight with as many tracks each.
-std::vector<int> StretchesOf(const std::vector<DepthDifference>& differences) {
-  std::vector<int> first_frames;  // of each difference's track
-  for (std::size_t i = 0; i < differences.size(); ++i) {
-    const bool is_same = i > 0 && differences[i].track == differences[i - 1].track;
-    first_frames.push_back(is_same ? first_frames.back() : differences[i].frame);
-  }
-  std::array<int, kStretches - 1> ends{};
-  for (int i = 1; i < kStretches; ++i) {
-    ends[i - 1] = Quantile(first_frames, static_cast<double>(i) / kStretches);
-  }
-  std::vector<int> stretches;
-  for (const int frame : first_frames) {
-    stretches.push_back(
-        static_cast<int>(std::upper_bound(ends.begin(), ends.end(), frame) - ends.begin()));
-  }
-  return stretches;
 }
 
 double FarthestCorner(const Camera& camera) {
@@ -153,23 +127,21 @@ double FarthestCorner(const Camera& camera) {
 std::optional<DepthConsistency> DepthConsistencyOf(const Adjustment& adjustment) {
   const std::vector<DepthDifference> differences = CompareDepths(adjustment);
   if (differences.empty()) return std::nullopt;
-  const std::vector<int> stretches = StretchesOf(differences);
   const Camera& camera = adjustment.rig.left.camera;
   const Eigen::Vector2d centre(camera.cx, camera.cy);
   DepthConsistency result;
   result.ring_width_px = FarthestCorner(camera) / DepthConsistency::kRings;
-  result.radius = Partition(differences, stretches, DepthConsistency::kRings, [&](const auto& at) {
+  result.radius = Partition(differences, DepthConsistency::kRings, [&](const auto& at) {
     return static_cast<int>((at - centre).norm() / result.ring_width_px);
   });
-  const auto part = [](double at, int length, int parts) {
+  constexpr int kColumns = DepthConsistency::kColumns, kRows = DepthConsistency::kRows;
+  const auto part_of = [](double at, int length, int parts) {
     return std::clamp(static_cast<int>((at + 0.5) / length * parts), 0, parts - 1);
   };
-  result.cells = Partition(
-      differences, stretches, DepthConsistency::kColumns * DepthConsistency::kRows,
-      [&](const auto& at) {
-        return part(at.y(), camera.height, DepthConsistency::kRows) * DepthConsistency::kColumns +
-               part(at.x(), camera.width, DepthConsistency::kColumns);
-      });
+  result.cells = Partition(differences, kRows * kColumns, [&](const auto& at) {
+    return part_of(at.y(), camera.height, kRows) * kColumns +
+           part_of(at.x(), camera.width, kColumns);
+  });
   const auto is_known = [](const auto& region) { return region.has_value(); };
   if (std::ranges::none_of(result.radius.regions, is_known)) return std::nullopt;
   return result;

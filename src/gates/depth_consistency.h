@@ -13,7 +13,8 @@
 
 namespace rigmap {
 
-// A mean with its standard error, both of one unit.
+// A robust mean with its standard error, both of one unit. Tracks are independent, their
+// observations are not.
 struct MeanDifference {
   double mean = 0.0, sigma = 0.0;
 };

@@ -62,9 +62,9 @@ class GatesTest : public testing::Test {
   }
 
   Gate Judge(const std::string& name) const {
-    const Gates gates = JudgePart(
-        {rig_, odometry_, adjustment_, trajectory_, mapped_ ? &aligned_ : nullptr, epipolar_px_},
-        options_);
+    const Gates gates = JudgePart({rig_, odometry_, adjustment_, trajectory_,
+                                   mapped_ ? &aligned_ : nullptr, epipolar_px_, depth_consistency_},
+                                  options_);
     for (const Gate& gate : gates) {
       if (gate.name == name) return gate;
     }
@@ -72,8 +72,9 @@ class GatesTest : public testing::Test {
     return {};
   }
   Gates All() const {
-    return JudgePart({rig_, odometry_, adjustment_, trajectory_, &aligned_, epipolar_px_},
-                     options_);
+    return JudgePart(
+        {rig_, odometry_, adjustment_, trajectory_, &aligned_, epipolar_px_, depth_consistency_},
+        options_);
   }
   // Moves frame `first` by a motion in its own axes, and all behind with it: one step changes.
   void Shift(int first, const Rigid3& motion) {
@@ -92,6 +93,7 @@ class GatesTest : public testing::Test {
   AlignedKeyframes aligned_;
   bool mapped_ = true;
   std::vector<float> epipolar_px_{0.1F, 0.2F, 0.3F};
+  std::optional<DepthConsistency> depth_consistency_ = DepthConsistency{};
 };
 
 TEST_F(GatesTest, HealthyPartPassesThemAllOnceEach) {
@@ -102,13 +104,14 @@ TEST_F(GatesTest, HealthyPartPassesThemAllOnceEach) {
     EXPECT_EQ(gate.value.has_value(), gate.name != "rig_refinement_px") << gate.name;
     names.push_back(gate.name);
   }
-  EXPECT_THAT(names,
-              testing::UnorderedElementsAre(
-                  "baseline_spread", "baseline_rejected", "registered", "predicted",
-                  "position_95_pct", "scale_95_pct", "rig_refinement_px", "motion_agreement_window",
-                  "motion_agreement_sigmas", "motion_agreement_pct", "reprojection_px",
-                  "outlier_share", "epipolar_px", "rig_consistency_deg", "rig_consistency_sigmas",
-                  "intrinsics_consistency_pct", "intrinsics_consistency_sigmas"));
+  EXPECT_THAT(
+      names,
+      testing::UnorderedElementsAre(
+          "baseline_spread", "baseline_rejected", "registered", "predicted", "position_95_pct",
+          "scale_95_pct", "rig_refinement_px", "motion_agreement_window", "motion_agreement_sigmas",
+          "motion_agreement_pct", "reprojection_px", "outlier_share", "epipolar_px",
+          "rig_consistency_deg", "rig_consistency_sigmas", "intrinsics_consistency_pct",
+          "intrinsics_consistency_sigmas", "depth_consistency_pct"));
   EXPECT_EQ(FailureReason(All()), "");
 }
 
@@ -375,6 +378,27 @@ TEST_F(GatesTest, WhatWasNotDoneDoesNotApplyAndPasses) {
     EXPECT_FALSE(Judge(name).value) << name;
     EXPECT_TRUE(Judge(name).passed) << name;
   }
+}
+
+TEST_F(GatesTest, DepthsMayDifferByTheAccuracyAskedForAndTwoSigmas) {
+  depth_consistency_->cells.depth_pct = {1.199, 0.1};
+  EXPECT_EQ(Judge("depth_consistency_pct").value, 1.199);
+  EXPECT_TRUE(Judge("depth_consistency_pct").passed);
+  depth_consistency_->cells.depth_pct = {1.201, 0.1};
+  EXPECT_FALSE(Judge("depth_consistency_pct").passed);
+  EXPECT_THAT(Judge("depth_consistency_pct").why, HasSubstr("one cell"));
+  options_.poses.accuracy_pct = 1.1;
+  EXPECT_TRUE(Judge("depth_consistency_pct").passed);
+  // Of rings and cells, that which is surer to be large.
+  depth_consistency_->radius.depth_pct = {5.0, 3.0};
+  EXPECT_EQ(Judge("depth_consistency_pct").value, 1.201);
+  depth_consistency_->radius.depth_pct = {5.0, 0.3};
+  EXPECT_EQ(Judge("depth_consistency_pct").value, 5.0);
+  EXPECT_FALSE(Judge("depth_consistency_pct").passed);
+  EXPECT_THAT(Judge("depth_consistency_pct").why, HasSubstr("one ring"));
+  depth_consistency_.reset();
+  EXPECT_FALSE(Judge("depth_consistency_pct").value);
+  EXPECT_TRUE(Judge("depth_consistency_pct").passed);
 }
 
 TEST_F(GatesTest, DepthBiasIsJudgedBySize) {

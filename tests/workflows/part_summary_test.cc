@@ -35,9 +35,9 @@ class PartSummaryTest : public testing::Test {
 
 TEST_F(PartSummaryTest, HasAllKeysEvenWhereNothingWasReached) {
   const Report summary = Written();
-  for (const char* key :
-       {"status", "reason", "technique", "world_up", "stages", "frames", "revisits", "health",
-        "mapping", "scale", "rig", "gates", "verdict", "versions", "command"}) {
+  for (const char* key : {"status", "reason", "technique", "world_up", "stages", "frames",
+                          "revisits", "health", "mapping", "scale", "rig", "gates",
+                          "depth_consistency", "verdict", "versions", "command"}) {
     EXPECT_TRUE(summary.contains(key)) << key;
   }
   for (const char* key : {"read", "paired", "keyframes", "registered", "posed"}) {

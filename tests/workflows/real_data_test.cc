@@ -89,6 +89,27 @@ TEST_F(RealData, BeachPartIsMetric) {
   ExpectEqual(trajectory, scored("trajectory_metrics.py", {tum, truth / "trajectory.tum"}));
 }
 
+class RealMap : public RealData {};
+
+// The default way from pairs to a surface: semi-global matching, voxels of 1 cm.
+TEST_F(RealMap, OfABeachByDefaultIsCloseToTheTruth) {
+  const fs::path truth = data_ / "beach-dev" / "truth" / "Part2";
+  const ProgramEnd end =
+      Run({"--dataset", data_ / "beach-dev", "--traverse", "3", "--part", "2", "--truth", truth});
+  ASSERT_EQ(end.exit_code, 0) << end.err;
+  const json map = Evaluation(truth)["map"];
+  const json near = map["within_1.5m"], far = map["within_3.5m"];
+  EXPECT_GE(near["f_1cm"].get<double>(), 0.93);
+  EXPECT_GE(far["f_2cm"].get<double>(), 0.95);
+  EXPECT_LE(far["stray_over_20cm_pct"].get<double>(), 0.01);
+  // A surface that left out what is hard would have few strays, too.
+  EXPECT_GE(near["completeness_1cm"].get<double>(), 0.93);
+  EXPECT_GE(far["completeness_2cm"].get<double>(), 0.95);
+  const json differences = JsonOf("summary.json")["depth_consistency"];
+  EXPECT_LE(differences["radius"]["systematic_pct"].get<double>(), 0.05);
+  EXPECT_LE(differences["place"]["systematic_pct"].get<double>(), 0.1);
+}
+
 // A rig that lies still must not invent motion. Its own calibration may not please the gates.
 TEST_F(RealData, StillRigStandsStill) {
   const ProgramEnd end = Run({"--dataset", data_ / "euroc-still", "--until", "adjustment"});

@@ -46,6 +46,9 @@ TEST_F(RealDrive, InASandYardMendsItsWrongRigFile) {
   const json summary = Summary();
   EXPECT_NEAR(summary["rig"]["infinity_offset_px"], 3.2, 0.5);
   EXPECT_EQ(summary["frames"]["posed"], 127);
+  // With the rig file as it is: 5 % and one pixel from cell to cell.
+  EXPECT_LE(summary["depth_consistency"]["place"]["systematic_pct"].get<double>(), 0.4);
+  EXPECT_LE(summary["depth_consistency"]["place"]["systematic_px"].get<double>(), 0.07);
   const fs::path scorer = data_ / ".." / "score" / "prism_metrics.py";
   if (!fs::exists(scorer) || !fs::exists(kPython)) {
     GTEST_SKIP() << "the scorer or Debian's python3 is missing: not compared with the prism";
