@@ -34,8 +34,13 @@ DatasetContent HashContent(const Dataset& dataset, FileHashes& hashes) {
   content.frames.resize(dataset.frames.size());
   tbb::parallel_for(std::size_t{0}, dataset.frames.size(), [&](std::size_t i) {
     const StereoFrame& frame = dataset.frames[i];
-    content.frames[i] = HashText(fmt::format(
-        "{} {} {}", frame.stamp_ns, hashes.Hash(frame.left_path), hashes.Hash(frame.right_path)));
+    std::string text = fmt::format("{} {} {}", frame.stamp_ns, hashes.Hash(frame.left_path),
+                                   hashes.Hash(frame.right_path));
+    // How bright a frame's values are is told by the others.
+    if (frame.sample_bits != StereoFrame().sample_bits) {
+      text += fmt::format(" {} bits", frame.sample_bits);
+    }
+    content.frames[i] = HashText(text);
   });
   std::string inclinometer;
   for (const InclinometerSample& sample : dataset.inclinometer) {

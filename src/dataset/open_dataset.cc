@@ -1,9 +1,11 @@
 #include "dataset/open_dataset.h"
 
 #include <fmt/format.h>
+#include <oneapi/tbb/parallel_for.h>
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <atomic>
 #include <vector>
 
 #include "core/error.h"
@@ -172,6 +174,21 @@ void CheckSizes(const Dataset& dataset) {
                   frames.front().left_path, frames.size()));
 }
 
+// One frame may be dark, so all are asked, until one needs all 16 bits.
+void DecideSampleBits(const StereoRig& rig, std::vector<StereoFrame>& frames) {
+  std::atomic<int> most = 0;  // 0: no file of 16 bit
+  tbb::parallel_for(std::size_t{0}, frames.size(), [&](std::size_t i) {
+    for (const Eye eye : kEyes) {
+      if (most == 16) return;
+      const int bits = SampleBitsNeeded(frames[i].PathOf(eye), rig.Of(eye).camera).value_or(0);
+      for (int before = most; bits > before && !most.compare_exchange_weak(before, bits);) {
+      }
+    }
+  });
+  if (most == 0) return;
+  for (StereoFrame& frame : frames) frame.sample_bits = most;
+}
+
 void LogHealth(const Dataset& dataset) {
   const DatasetHealth& health = dataset.health;
   spdlog::info("{} pairs from {} images", dataset.frames.size(), health.images_read);
@@ -195,6 +212,7 @@ Dataset OpenDataset(const DatasetRequest& request) {
                       : OpenStereo(request, folder);
   Dataset& dataset = opened.dataset;
   dataset.rig = ReadRig(request, opened);
+  DecideSampleBits(dataset.rig, dataset.frames);  // of the part, whichever frames are asked for
   if (request.frames) KeepFrames(*request.frames, dataset.frames);
   if (!opened.imu_path.empty()) {
     auto reading = ReadInclinometer(opened.imu_path, dataset.frames);

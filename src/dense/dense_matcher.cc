@@ -22,8 +22,8 @@ DenseMatcher::DenseMatcher(const StereoRig& rig, const DenseOptions& options,
 }
 
 DepthMap DenseMatcher::Compute(const StereoFrame& frame) const {
-  const cv::Mat colour = ReadColour(frame.left_path, rig_.left.camera);
-  const cv::Mat right = ReadGrey(frame.right_path, rig_.right.camera);
+  const cv::Mat colour = ReadColour(frame.left_path, rig_.left.camera, frame.sample_bits);
+  const cv::Mat right = ReadGrey(frame.right_path, rig_.right.camera, frame.sample_bits);
   cv::Mat left;
   cv::cvtColor(colour, left, cv::COLOR_BGR2GRAY);
   const RectifiedPair pair{

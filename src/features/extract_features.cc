@@ -35,12 +35,12 @@ Patch CutPatch(const cv::Mat& grey, const Eigen::Vector2d& centre) {
 }
 
 // Empty if the file cannot be decoded; then its name is added to `unreadable`.
-cv::Mat ReadIfImage(const std::string& path, const Camera& camera,
+cv::Mat ReadIfImage(const StereoFrame& frame, Eye eye, const StereoRig& rig,
                     std::vector<std::string>& unreadable) {
   try {
-    return ReadGrey(path, camera);
+    return ReadGrey(frame.PathOf(eye), rig.Of(eye).camera, frame.sample_bits);
   } catch (const UnreadableImage&) {
-    unreadable.push_back(path);
+    unreadable.push_back(frame.PathOf(eye));
     return {};
   }
 }
@@ -56,8 +56,8 @@ FrameFeatures ExtractFeatures(const StereoFrame& frame, const FeatureSetup& setu
   FrameFeatures result;
   result.stamp_ns = frame.stamp_ns;
   auto& unreadable = result.unreadable_images;
-  const cv::Mat left = ReadIfImage(frame.left_path, setup.rig.left.camera, unreadable);
-  const cv::Mat right = ReadIfImage(frame.right_path, setup.rig.right.camera, unreadable);
+  const cv::Mat left = ReadIfImage(frame, Eye::kLeft, setup.rig, unreadable);
+  const cv::Mat right = ReadIfImage(frame, Eye::kRight, setup.rig, unreadable);
   if (!unreadable.empty()) {
     result.usable_share = 0.0;
     return result;

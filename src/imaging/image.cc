@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <opencv2/imgcodecs.hpp>
@@ -46,16 +47,14 @@ void RequireSize(const std::string& path, const Camera& camera, const cv::Size& 
                               camera.width, camera.height, found.width, found.height));
 }
 
-cv::Mat ToEightBit(const cv::Mat& image) {
+cv::Mat ToEightBit(const cv::Mat& image, int sample_bits) {
   if (image.depth() == CV_8U) return image;
-  double largest = 0.0;
-  cv::minMaxIdx(image.reshape(1), nullptr, &largest);
   cv::Mat eight_bit;
-  image.convertTo(eight_bit, CV_8U, largest < 4096.0 ? 1.0 / 16.0 : 1.0 / 256.0);
+  image.convertTo(eight_bit, CV_8U, std::ldexp(1.0, 8 - sample_bits));
   return eight_bit;
 }
 
-cv::Mat ReadEightBit(const std::string& path, const Camera& camera, int flags) {
+cv::Mat ReadEightBit(const std::string& path, const Camera& camera, int flags, int sample_bits) {
   // Before decoding: a header of thirty bytes may claim gigabytes.
   RequireSize(path, camera, SizeInHeader(path));
   const cv::Mat image =
@@ -68,7 +67,7 @@ cv::Mat ReadEightBit(const std::string& path, const Camera& camera, int flags) {
                                 cv::typeToString(image.type())));
   }
   RequireSize(path, camera, image.size());
-  return ToEightBit(image);
+  return ToEightBit(image, sample_bits);
 }
 
 }  // namespace
@@ -80,12 +79,23 @@ bool IsWholeImage(const std::filesystem::path& path) {
 
 cv::Size ReadSize(const std::string& path) { return SizeInHeader(path); }
 
-cv::Mat ReadGrey(const std::string& path, const Camera& camera) {
-  return ReadEightBit(path, camera, cv::IMREAD_GRAYSCALE);
+cv::Mat ReadGrey(const std::string& path, const Camera& camera, int sample_bits) {
+  return ReadEightBit(path, camera, cv::IMREAD_GRAYSCALE, sample_bits);
 }
 
-cv::Mat ReadColour(const std::string& path, const Camera& camera) {
-  return ReadEightBit(path, camera, cv::IMREAD_COLOR);
+cv::Mat ReadColour(const std::string& path, const Camera& camera, int sample_bits) {
+  return ReadEightBit(path, camera, cv::IMREAD_COLOR, sample_bits);
+}
+
+std::optional<int> SampleBitsNeeded(const std::string& path, const Camera& camera) {
+  const auto header = ReadImageHeader(path);
+  if (!header || !header->is_whole || header->sample_bits <= 8) return std::nullopt;
+  if (header->width != camera.width || header->height != camera.height) return std::nullopt;
+  const cv::Mat image = TryDecode(path, cv::IMREAD_UNCHANGED);
+  if (image.empty() || image.depth() != CV_16U) return std::nullopt;
+  double largest = 0.0;
+  cv::minMaxIdx(image.reshape(1), nullptr, &largest);
+  return largest < 4096.0 ? 12 : 16;
 }
 
 }  // namespace rigmap

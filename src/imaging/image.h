@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <opencv2/core.hpp>
+#include <optional>
 #include <string>
 
 #include "core/error.h"
@@ -22,9 +23,10 @@ class UnreadableImage : public DataError {
 bool IsWholeImage(const std::filesystem::path& path);
 
 // All read PNG, JPEG, PGM, PPM and TIFF of 8 or 16 bit, as the pixels lie in the file: orientation
-// flags are ignored, because the calibration knows nothing of them. 16 bit are scaled by a fixed
-// 1/256, so that brightness stays comparable between frames; a file whose largest value is below
-// 4096 is taken as 12 bit and scaled by 1/16. An alpha channel is dropped.
+// flags are ignored, because the calibration knows nothing of them. Values of 16 bit files are
+// scaled to 8 bit by a fixed factor, so that brightness stays comparable between frames: by 1/256,
+// or by 1/16 where `sample_bits` says that the part's files hold the values of a 12 bit sensor. An
+// alpha channel is dropped.
 //
 // Throw UnreadableImage when there is a file that cannot be decoded or lacks its end, DataError
 // when there is none or it is not of the camera's size. The size is taken from the header: a file
@@ -33,10 +35,16 @@ bool IsWholeImage(const std::filesystem::path& path);
 // Width and height, from the header.
 cv::Size ReadSize(const std::string& path);
 
-// CV_8UC1; colour is converted.
-cv::Mat ReadGrey(const std::string& path, const Camera& camera);
+// CV_8UC1; colour is converted. `sample_bits`: 8 to 16; what is beyond gives 255.
+cv::Mat ReadGrey(const std::string& path, const Camera& camera, int sample_bits = 16);
 
 // CV_8UC3, BGR; grey files give grey.
-cv::Mat ReadColour(const std::string& path, const Camera& camera);
+cv::Mat ReadColour(const std::string& path, const Camera& camera, int sample_bits = 16);
+
+// How many bits the values of a 16 bit file need: 16, or 12 where none exceeds 4095, as in those of
+// a 12 bit sensor and in dark ones of 16 bit: one file does not tell which. Nothing for 8 bit
+// files, known from the header alone, and for what cannot be decoded or is not of the camera's
+// size. Thread-safe.
+std::optional<int> SampleBitsNeeded(const std::string& path, const Camera& camera);
 
 }  // namespace rigmap

@@ -56,9 +56,10 @@ class Bytes {
 // W3C, Portable Network Graphics (2nd edition), 5.3 and 11.2.2: the first chunk is IHDR.
 std::optional<ImageHeader> ReadPng(Bytes& file) {
   if (file.At(12, 4) != "IHDR") return std::nullopt;
-  const auto width = file.Number(16, 4, true), height = file.Number(20, 4, true);
-  if (!width || !height) return std::nullopt;
-  return ImageHeader{*width, *height, file.EndsWith("\0\0\0\0IEND\xae\x42\x60\x82"sv)};
+  const auto width = file.Number(16, 4, true), height = file.Number(20, 4, true),
+             bits = file.Number(24, 1, true);
+  if (!width || !height || !bits) return std::nullopt;
+  return ImageHeader{*width, *height, *bits, file.EndsWith("\0\0\0\0IEND\xae\x42\x60\x82"sv)};
 }
 
 // ITU-T T.81, B.1 and B.2.2: the size stands in the frame header, before the first scan.
@@ -77,9 +78,10 @@ std::optional<ImageHeader> ReadJpeg(Bytes& file) {
     const bool is_frame =
         *marker >= 0xC0 && *marker <= 0xCF && *marker != 0xC4 && *marker != 0xC8 && *marker != 0xCC;
     if (is_frame) {
-      const auto height = file.Number(at + 5, 2, true), width = file.Number(at + 7, 2, true);
+      const auto bits = file.Number(at + 4, 1, true), height = file.Number(at + 5, 2, true),
+                 width = file.Number(at + 7, 2, true);
       if (!width || !height) return std::nullopt;
-      return ImageHeader{*width, *height, file.EndsWith("\xff\xd9"sv)};
+      return ImageHeader{*width, *height, *bits, file.EndsWith("\xff\xd9"sv)};
     }
     at += 2 + *length;
   }
@@ -126,10 +128,11 @@ std::optional<ImageHeader> ReadPnm(Bytes& file) {
   const std::int64_t row_samples = *width * (kind == '3' || kind == '6' ? 3 : 1);
   std::int64_t row_bytes = row_samples;  // as text at least a digit each
   if (kind == '4') row_bytes = (row_samples + 7) / 8;
-  if (!is_text && *most > 255) row_bytes *= 2;
+  const bool is_wide = *most > 255;
+  if (!is_text && is_wide) row_bytes *= 2;
   // Nine digits each: a division, since the product may not fit.
   const bool fits = row_bytes == 0 || (file.size() - numbers.Offset() - 1) / row_bytes >= *height;
-  return ImageHeader{*width, *height, fits};
+  return ImageHeader{*width, *height, is_wide ? 16 : 8, fits};
 }
 
 // TIFF 6.0 (Adobe 1992), section 2: the tags of the first directory.
@@ -186,13 +189,13 @@ bool HoldsAll(TiffDirectory& directory, std::int64_t file_size, int offsets, int
 }
 
 std::optional<ImageHeader> ReadTiff(Bytes& file) {
-  constexpr int kWidth = 256, kHeight = 257, kStripOffsets = 273, kStripBytes = 279,
-                kTileOffsets = 324, kTileBytes = 325;
+  constexpr int kWidth = 256, kHeight = 257, kBitsPerSample = 258, kStripOffsets = 273,
+                kStripBytes = 279, kTileOffsets = 324, kTileBytes = 325;
   TiffDirectory directory(file);
   const auto width = directory.Value(kWidth), height = directory.Value(kHeight);
   if (!width || !height) return std::nullopt;
   return ImageHeader{
-      *width, *height,
+      *width, *height, directory.Value(kBitsPerSample).value_or(1),
       directory.IsWhole() && (HoldsAll(directory, file.size(), kStripOffsets, kStripBytes) ||
                               HoldsAll(directory, file.size(), kTileOffsets, kTileBytes))};
 }

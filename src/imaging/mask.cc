@@ -17,6 +17,8 @@ constexpr int kSkyReduction = 4;
 constexpr int kSmoothStep = 6;
 // Sky is brighter than the median below it by at least this many grey levels.
 constexpr int kSkyContrast = 20;
+// Of a mask file with 16 bit a value every value but 0 stays one.
+constexpr int kMaskBits = 8;
 
 cv::Mat Square(int size) { return cv::getStructuringElement(cv::MORPH_RECT, {size, size}); }
 
@@ -116,7 +118,7 @@ cv::Mat StaticMask(const RigEye& eye) {
     region &= cv::Rect(cv::Point(r.x0, r.y0), cv::Point(r.x1 + 1, r.y1 + 1));
   }
   mask(region).setTo(255);
-  if (!eye.mask_path.empty()) mask.setTo(0, ReadGrey(eye.mask_path, eye.camera) == 0);
+  if (!eye.mask_path.empty()) mask.setTo(0, ReadGrey(eye.mask_path, eye.camera, kMaskBits) == 0);
   return mask;
 }
 

@@ -15,12 +15,15 @@ namespace rigmap {
 struct StereoFrame {
   StampNs stamp_ns = 0;
   std::string left_path, right_path;  // absolute
+  // Of the values in files of 16 bit, the same for all frames of a part: 16, or 12 for those of a
+  // 12 bit sensor.
+  int sample_bits = 16;
 
   const std::string& PathOf(Eye eye) const { return eye == Eye::kLeft ? left_path : right_path; }
 
   template <class Archive>
   void serialize(Archive& archive) {
-    archive(stamp_ns, left_path, right_path);
+    archive(stamp_ns, left_path, right_path, sample_bits);
   }
 };
 

@@ -210,6 +210,28 @@ TEST_F(OpenStereoTest, KeyChangesWithEveryInputThatMattersAndNoOther) {
   EXPECT_NE(key({.folder = folder_.Path(), .frames = {{0, 1}}}), key(request));
 }
 
+// A dark frame of 16 bit has values as those of a 12 bit sensor.
+TEST_F(OpenStereoTest, OneBrightImageMakesAllSixteenBit) {
+  const auto bits = [&] {
+    std::vector<int> found;
+    for (const StereoFrame& frame : Open().frames) found.push_back(frame.sample_bits);
+    return found;
+  };
+  EXPECT_THAT(bits(), testing::Each(16)) << "of 8 bit";
+  FileHashes hashes;
+  const auto content = [&] { return HashContent(Open(), hashes).frames; };
+  for (const char* name : {"left/0.png", "left/1.png", "right/0.png", "right/1.png"}) {
+    WriteWideImage(folder_.Path() / name, 4095);
+  }
+  EXPECT_THAT(bits(), testing::Each(12));
+  const auto dark = content();
+  WriteWideImage(folder_.Path() / "right/1.png", 65535);
+  EXPECT_THAT(bits(), testing::Each(16));
+  EXPECT_NE(content()[0], dark[0]) << "what is made of the dark frame has changed with it";
+  EXPECT_EQ(OpenDataset({.folder = folder_.Path(), .frames = {{0, 1}}}).frames[0].sample_bits, 16)
+      << "of the part, whichever frames are asked for";
+}
+
 TEST(SharedDatasetTest, BeachPartsHaveTheirPairsInOrder) {
   const auto data = SharedData();
   if (!data) GTEST_SKIP() << "RIGMAP_DATA is not set";

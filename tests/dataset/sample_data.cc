@@ -46,6 +46,14 @@ void WriteImage(const std::filesystem::path& path, int width, int height) {
   if (!cv::imwrite(path.string(), image)) throw std::runtime_error("cannot write " + path.string());
 }
 
+void WriteWideImage(const std::filesystem::path& path, int largest) {
+  cv::Mat image(kSampleHeight, kSampleWidth, CV_16UC1);
+  cv::RNG random(7);
+  random.fill(image, cv::RNG::UNIFORM, 0, largest);
+  image.at<std::uint16_t>(1, 2) = static_cast<std::uint16_t>(largest);
+  if (!cv::imwrite(path.string(), image)) throw std::runtime_error("cannot write " + path.string());
+}
+
 void CutEnd(const std::filesystem::path& path, std::uintmax_t bytes) {
   std::filesystem::resize_file(path, std::filesystem::file_size(path) - bytes);
 }

@@ -21,6 +21,9 @@ std::string Replaced(const std::string& text, const std::string& from, const std
 void WriteImage(const std::filesystem::path& path, int width = kSampleWidth,
                 int height = kSampleHeight);
 
+// The same with values from 0 to `largest` in 16 bit each.
+void WriteWideImage(const std::filesystem::path& path, int largest);
+
 // Cuts the last `bytes` off a file.
 void CutEnd(const std::filesystem::path& path, std::uintmax_t bytes);
 

@@ -84,10 +84,10 @@ TEST(ReadColour, KeepsOpenCvsOrderOfChannels) {
   EXPECT_EQ(LargestDifference(ReadColour(path, CameraOf(30, 20)), blue), 0.0);
 }
 
+// Also one that is so dark that it might be of 12 bit.
 TEST(ReadGrey, ScalesSixteenBitByAFixedFactor) {
   const TemporaryFolder folder;
-  cv::Mat image = RandomImage(CV_16UC1, 65280.0);
-  image.at<ushort>(0, 0) = 5000;  // not 12 bit, whatever the random numbers say
+  cv::Mat image = RandomImage(CV_16UC1, 4000.0);
   const std::string path = folder.Path() / "a.png";
   cv::imwrite(path, image);
   cv::Mat expected;
@@ -95,14 +95,33 @@ TEST(ReadGrey, ScalesSixteenBitByAFixedFactor) {
   EXPECT_EQ(LargestDifference(ReadGrey(path, CameraOf(30, 20)), expected), 0.0);
 }
 
-TEST(ReadGrey, TakesSmallSixteenBitValuesAsTwelveBit) {
+TEST(ReadGrey, ScalesTwelveBitValuesWhereItIsTold) {
   const TemporaryFolder folder;
-  const cv::Mat image = RandomImage(CV_16UC1, 4080.0);
+  cv::Mat image = RandomImage(CV_16UC1, 4080.0);
+  image.at<ushort>(0, 0) = 5000;  // is white
   const std::string path = folder.Path() / "a.png";
   cv::imwrite(path, image);
   cv::Mat expected;
   image.convertTo(expected, CV_8U, 1.0 / 16.0);
-  EXPECT_EQ(LargestDifference(ReadGrey(path, CameraOf(30, 20)), expected), 0.0);
+  EXPECT_EQ(LargestDifference(ReadGrey(path, CameraOf(30, 20), 12), expected), 0.0);
+}
+
+TEST(SampleBitsNeeded, TellsOfSixteenBitFilesWhetherTwelveWouldDo) {
+  const TemporaryFolder folder;
+  const auto of = [&](const char* name, const cv::Mat& image, int width = 30) {
+    const std::string path = folder.Path() / name;
+    cv::imwrite(path, image);
+    return SampleBitsNeeded(path, CameraOf(width, 20));
+  };
+  cv::Mat image = RandomImage(CV_16UC1, 4096.0);
+  for (const char* name : {"a.png", "a.pgm", "a.tif"}) EXPECT_EQ(of(name, image), 12) << name;
+  EXPECT_EQ(of("other.png", image, 31), std::nullopt) << "not of the camera's size";
+  image.at<ushort>(3, 4) = 4096;
+  for (const char* name : {"b.png", "b.pgm", "b.tif"}) EXPECT_EQ(of(name, image), 16) << name;
+  for (const char* name : {"c.png", "c.pgm", "c.tif", "c.jpg"}) {
+    EXPECT_EQ(of(name, RandomImage(CV_8UC1, 256.0)), std::nullopt) << name;
+  }
+  EXPECT_EQ(SampleBitsNeeded(folder.Write("d.png", "text"), CameraOf(30, 20)), std::nullopt);
 }
 
 std::string ReadingFails(const std::string& path) {

@@ -36,7 +36,8 @@ void Colour(const Dataset& dataset, const Adjustment& adjustment, SparseModel& m
   tbb::parallel_for(std::size_t{0}, frames.size(), [&](std::size_t f) {
     const Eye eye = adjustment.points[frames[f].second.front()].observations.front().eye;
     const StereoFrame& frame = dataset.frames[frames[f].first];
-    const cv::Mat image = ReadColour(frame.PathOf(eye), dataset.rig.Of(eye).camera);
+    const cv::Mat image =
+        ReadColour(frame.PathOf(eye), dataset.rig.Of(eye).camera, frame.sample_bits);
     for (const std::size_t i : frames[f].second) {
       model.points[i].rgb = ColourAt(image, adjustment.points[i].observations.front().pixel);
     }

@@ -10,7 +10,8 @@ namespace rigmap {
 struct ImageHeader {
   std::int64_t width = 0;  // pixels, positive
   std::int64_t height = 0;
-  bool is_whole = false;  // the file reaches to where the image must end
+  std::int64_t sample_bits = 8;  // of one value in the file
+  bool is_whole = false;         // the file reaches to where the image must end
 };
 
 // Of a PNG, JPEG, PGM, PPM (PBM) or TIFF file, told by its first bytes and whatever its name; of a
