@@ -137,11 +137,27 @@ PartRequest MakeRequest(const PartArguments& a, std::string command) {
   return request;
 }
 
+// A line for each cause, the first cause first, what is usable, what to try; then for scripts the
+// gates that speak of it.
+void SayWhyNot(const Refusal& refusal, const std::string& out) {
+  std::vector<std::string> gates, advice;
+  for (const Cause& cause : refusal.causes) {
+    fmt::print(stderr, "rigmap: {}: {}\n", gates.empty() ? "NOT TRUSTED" : "and", cause.found);
+    for (const std::string& gate : cause.gates) gates.push_back("gate " + gate);
+    if (std::ranges::find(advice, cause.advice) == advice.end()) advice.push_back(cause.advice);
+  }
+  fmt::print(stderr, "rigmap: usable all the same: {}\n", refusal.usable);
+  for (const std::string& sentence : advice) {
+    fmt::print(stderr, "rigmap: to try next: {}\n", sentence);
+  }
+  fmt::print(stderr, "rigmap: what lies in {} is not to be trusted: {}\n", out,
+             fmt::join(gates, ", "));
+}
+
 int RunPart(const PartArguments& arguments, std::string command) {
   const PartResult result = ReconstructPart(MakeRequest(arguments, std::move(command)));
   if (result.status == PartStatus::kUntrusted) {
-    if (!result.verdict.empty()) fmt::print(stderr, "rigmap: {}\n", result.verdict);
-    fmt::print(stderr, "rigmap: the result is not to be trusted: {}\n", result.reason);
+    SayWhyNot(result.refusal, arguments.out);
     return kExitUntrusted;
   }
   if (!arguments.quiet) {

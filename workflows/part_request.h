@@ -25,4 +25,9 @@ struct PartRequest {
   std::string command;  // as typed, for summary.json
 };
 
+// The number of the first frame that was asked for.
+inline int FirstFrame(const PartRequest& request) {
+  return request.dataset.frames ? request.dataset.frames->first : 0;
+}
+
 }  // namespace rigmap

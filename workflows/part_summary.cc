@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <set>
 
-#include "gates/gates.h"
 #include "pipeline/code_identity.h"
+#include "workflows/stages/gates.h"
 
 namespace rigmap {
 namespace {
@@ -45,7 +45,10 @@ Report Blank() {
            {{"text", nullptr},
             {"scale_95_pct", nullptr},
             {"position_95_m", nullptr},
-            {"accuracy_asked_pct", nullptr}}},
+            {"accuracy_asked_pct", nullptr},
+            {"causes", Report::array()},
+            {"usable", nullptr},
+            {"known", nullptr}}},
           {"versions", {{"rigmap", SourceVersion()}, {"colmap", nullptr}}}};
 }
 
@@ -62,17 +65,6 @@ void Merge(const Report& from, Report& into) {
   }
 }
 
-Gates ReadGates(const Report& list) {
-  Gates gates;
-  for (const Report& gate : list) {
-    gates.push_back(
-        {gate.at("name"),
-         gate.at("value").is_null() ? std::nullopt : std::optional<double>(gate.at("value")),
-         gate.at("limit"), gate.at("passed"), gate.at("why")});
-  }
-  return gates;
-}
-
 Report StagesOf(const Ledger& ledger) {
   Report stages = Report::array();
   for (const StageRecord& record : ledger.stages) {
@@ -85,31 +77,40 @@ Report StagesOf(const Ledger& ledger) {
   return stages;
 }
 
-// The verdict as a surveyor would sign it: do the figures hold, and how good are they?
-std::string VerdictText(const Gates& gates, const std::string& how_good, double asked_pct) {
-  const auto is_accuracy = [](const Gate& gate) {
-    return gate.name == "scale_95_pct" || gate.name == "position_95_pct";
-  };
-  const auto inconsistent = std::ranges::find_if(
-      gates, [&](const Gate& gate) { return !gate.passed && !is_accuracy(gate); });
-  if (inconsistent != gates.end()) {
-    return fmt::format("inconsistent: {}; were it right: {}", inconsistent->why, how_good);
-  }
-  if (!AllPassed(gates)) {
-    return fmt::format("consistent, but not as good as the {:.2g} % of the path asked for: {}",
-                       asked_pct, how_good);
-  }
-  return how_good;
+bool IsAboutAccuracy(const Gate& gate) {
+  return gate.name == "scale_95_pct" || gate.name == "position_95_pct";
 }
 
-Gates GatesOf(const Ledger& ledger) {
-  Gates gates;
-  for (const StageRecord& record : ledger.stages) {
-    if (!record.report.contains("gates")) continue;
-    const Gates some = ReadGates(record.report["gates"]);
-    gates.insert(gates.end(), some.begin(), some.end());
+// The verdict as a surveyor would sign it: do the figures hold, and how good are they?
+std::string VerdictText(const Gates& gates, const Refusal& refusal, const Report& verdict) {
+  if (verdict["text"].is_null()) return "";
+  const std::string how_good = verdict["text"];
+  if (refusal.causes.empty()) return how_good;
+  const bool is_consistent = std::ranges::all_of(
+      gates, [](const Gate& gate) { return gate.passed || IsAboutAccuracy(gate); });
+  if (!is_consistent) {
+    return fmt::format("inconsistent: {}; were it right: {}", refusal.causes.front().brief,
+                       how_good);
   }
-  return gates;
+  return fmt::format("consistent, but not as good as the {:.2g} % of the path asked for: {}",
+                     verdict["accuracy_asked_pct"].get<double>(), how_good);
+}
+
+std::string ReasonOf(const Refusal& refusal) {
+  std::vector<std::string> sentences;
+  for (const Cause& cause : refusal.causes) sentences.push_back(SentenceOf(cause));
+  return fmt::format("{}", fmt::join(sentences, "; "));
+}
+
+Report Describe(const std::vector<Cause>& causes) {
+  Report list = Report::array();
+  for (const Cause& cause : causes) {
+    list.push_back({{"brief", cause.brief},
+                    {"found", cause.found},
+                    {"advice", cause.advice},
+                    {"gates", cause.gates}});
+  }
+  return list;
 }
 
 }  // namespace
@@ -124,22 +125,21 @@ Report MergeReports(const Ledger& ledger) {
   return merged;
 }
 
-PartResult Judge(const Ledger& ledger) {
-  const Gates gates = GatesOf(ledger);
-  if (gates.empty()) return {PartStatus::kPartial, "no gate checked yet", ""};
-  const Report verdict = MergeReports(ledger)["verdict"];
-  std::string text;
-  if (!verdict["text"].is_null()) {
-    text = VerdictText(gates, verdict["text"], verdict["accuracy_asked_pct"]);
-  }
-  if (AllPassed(gates)) return {PartStatus::kOk, "", text};
-  return {PartStatus::kUntrusted, FailureReason(gates), text};
+PartResult Judge(const Ledger& ledger, int first_frame) {
+  const Report merged = MergeReports(ledger);
+  const JudgedPart judged = ReadJudged(merged);
+  if (judged.gates.empty()) return {PartStatus::kPartial, "no gate checked yet", "", {}};
+  Refusal refusal = RefusalOf(judged.gates, judged.findings, first_frame);
+  std::string text = VerdictText(judged.gates, refusal, merged["verdict"]);
+  if (refusal.causes.empty()) return {PartStatus::kOk, "", std::move(text), {}};
+  std::string reason = ReasonOf(refusal);
+  return {PartStatus::kUntrusted, std::move(reason), std::move(text), std::move(refusal)};
 }
 
 std::string WriteSummary(const Ledger& ledger, const PartRequest& request,
                          const std::string& failure) {
-  const PartResult result =
-      failure.empty() ? Judge(ledger) : PartResult{PartStatus::kFailed, failure, ""};
+  const PartResult result = failure.empty() ? Judge(ledger, FirstFrame(request))
+                                            : PartResult{PartStatus::kFailed, failure, "", {}};
   Report summary = {{"status", NameOf(result.status)},
                     {"reason", result.reason.empty() ? Report(nullptr) : Report(result.reason)},
                     {"technique", NameOf(request.technique)}};
@@ -148,6 +148,10 @@ std::string WriteSummary(const Ledger& ledger, const PartRequest& request,
   summary["stages"] = StagesOf(ledger);
   summary.update(merged);
   if (!result.verdict.empty()) summary["verdict"]["text"] = result.verdict;
+  if (result.status == PartStatus::kUntrusted) {
+    summary["verdict"]["causes"] = Describe(result.refusal.causes);
+    summary["verdict"]["usable"] = result.refusal.usable;
+  }
   summary["command"] = request.command;
   // Paths and other programs' words need not be UTF-8, as JSON must.
   return summary.dump(1, ' ', false, Report::error_handler_t::replace) + "\n";

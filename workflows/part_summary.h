@@ -14,8 +14,9 @@ namespace rigmap {
 // what was not reached are null.
 Report MergeReports(const Ledger& ledger);
 
-// How far what the ledger speaks of is to be trusted.
-PartResult Judge(const Ledger& ledger);
+// How far what the ledger speaks of is to be trusted. `first_frame`: the number of the part's first
+// frame in the whole data set.
+PartResult Judge(const Ledger& ledger, int first_frame = 0);
 
 // summary.json as text. `failure` is what ended the run, if anything did.
 std::string WriteSummary(const Ledger& ledger, const PartRequest& request,

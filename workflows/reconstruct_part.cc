@@ -12,6 +12,7 @@
 #include "export/tum.h"
 #include "pipeline/stage_runner.h"
 #include "workflows/evaluate_part.h"
+#include "workflows/mark_outputs.h"
 #include "workflows/output_folder.h"
 #include "workflows/part_summary.h"
 #include "workflows/stages/database.h"
@@ -34,6 +35,7 @@ Dataset OpenWithTruth(const PartRequest& request) {
 
 void WriteOutcome(const fs::path& root, const PartRequest& request, const Ledger& ledger,
                   const std::string& failure) {
+  MarkOutputs(root, ledger);
   WriteFileAtomically(root / "summary.json", [&](std::ostream& stream) {
     stream << WriteSummary(ledger, request, failure);
   });
@@ -102,7 +104,7 @@ PartResult Reconstruct(const PartRequest& request, Job& job) {
   try {
     const Ledger ledger = RunRecipe(request, root, input, job);
     WriteOutcome(root, request, ledger, "");
-    return Judge(ledger);
+    return Judge(ledger, FirstFrame(request));
   } catch (const std::exception& error) {
     job.LogToTerminal();
     TryToWriteFailure(root, request, error.what());

@@ -3,6 +3,7 @@
 
 #include <string>
 
+#include "gates/refusal.h"
 #include "workflows/part_request.h"
 
 namespace rigmap {
@@ -20,6 +21,7 @@ struct PartResult {
   PartStatus status = PartStatus::kOk;
   std::string reason;   // why it is not to be trusted, or what is not known
   std::string verdict;  // how good it is, in a sentence; empty where no gate was asked
+  Refusal refusal;      // why it is not to be trusted, for people; without causes if it is
 };
 
 // Does what is missing in request.out, so that it holds everything of the contract

@@ -36,13 +36,14 @@ StageGraph RigRecipe(const Dataset& data, const DatasetContent& data_content,
   const auto adjusted =
       g.AddStage(RigAdjustment(), Reading(starts, o.adjustment, o.odometry, o.gates.adjustment),
                  dataset, features, odometry, matches, graph, aligned);
-  g.AddCheck(AdjustedGates(),
-             Reading(o.gates.mapping, o.gates.poses, o.gates.adjustment, o.gates.calibration),
-             dataset, found, graph, aligned, adjusted);
+  const auto gates =
+      g.AddCheck(AdjustedGates(),
+                 Reading(o.gates.mapping, o.gates.poses, o.gates.adjustment, o.gates.calibration),
+                 dataset, found, graph, aligned, adjusted);
   const auto posed = g.AddView(PosedByAdjustment, dataset, adjusted);
 
   // depth of the keyframes, fused on the poses -> coloured map, judged
-  AddSurface(g, o, {dataset, content, truth, found, posed});
+  AddSurface(g, o, {dataset, content, truth, found, posed, gates});
   return g;
 }
 

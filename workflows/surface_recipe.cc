@@ -12,10 +12,11 @@ namespace rigmap {
 void AddSurface(StageGraph& g, const PartOptions& o, const SurfaceInputs& in) {
   const auto depths = g.AddStage(DenseMatching(), Reading(o.dense, o.masks, o.voxel), in.dataset,
                                  in.content, in.features, in.posed);
-  g.AddCheck(DepthGates(), Reading(o.gates.dense), depths);
+  const auto depth_gates = g.AddCheck(DepthGates(), Reading(o.gates.dense), depths);
+  const auto warning = g.AddView(WarningByGates, in.gates, depth_gates);
   const auto map = g.AddStage(Fusion(), Reading(o.fusion, o.voxel), in.dataset, in.posed, depths);
-  g.AddStage(Rasters(), Reading(o.raster, o.voxel), map);
-  g.AddStage(Pictures(), Reading(o.pictures, o.voxel), in.posed, map);
+  g.AddStage(Rasters(), Reading(o.raster, o.voxel), map, warning);
+  g.AddStage(Pictures(), Reading(o.pictures, o.voxel), in.posed, map, warning);
   g.AddStage(Evaluation(), Reading(o.evaluation, o.georeference, o.rocks, o.rock_survey),
              in.dataset, in.truth, in.posed, map);
 }

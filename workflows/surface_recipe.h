@@ -14,6 +14,7 @@ struct SurfaceInputs {
   Node<Truth> truth;
   Node<FeatureIndex> features;
   Node<PosedPart> posed;
+  Node<Report> gates;  // of the poses
 };
 
 // Adds dense, fusion, raster, views and evaluation.

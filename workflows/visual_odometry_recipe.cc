@@ -20,13 +20,14 @@ StageGraph VisualOdometryRecipe(const Dataset& data, const DatasetContent& data_
   // laid into the world as they are
   const auto part =
       g.AddStage(OdometricTrajectory(), Reading(o.odometry), dataset, features, odometry);
-  g.AddCheck(OdometricGates(),
-             Reading(o.gates.mapping, o.gates.poses, o.gates.adjustment, o.gates.calibration),
-             dataset, found, odometry, part);
+  const auto gates =
+      g.AddCheck(OdometricGates(),
+                 Reading(o.gates.mapping, o.gates.poses, o.gates.adjustment, o.gates.calibration),
+                 dataset, found, odometry, part);
   const auto posed = g.AddView(PosedByOdometry, dataset, part);
 
   // depth of the keyframes, fused on the poses -> coloured map, judged
-  AddSurface(g, o, {dataset, content, truth, found, posed});
+  AddSurface(g, o, {dataset, content, truth, found, posed, gates});
   return g;
 }
 

@@ -225,9 +225,11 @@ class Adjuster {
     result.covariances = InflatedCovariances(system, of_calibration);
     if (system.scale) {
       const CalibrationVector& by_calibration = system.scale->by_calibration;
+      const double of_noise =
+          options_.shared_noise * options_.shared_noise * system.scale->variance;
+      result.scale_sigma_of_noise = std::sqrt(of_noise);
       result.scale_sigma =
-          std::sqrt(options_.shared_noise * options_.shared_noise * system.scale->variance +
-                    by_calibration.dot(of_calibration * by_calibration));
+          std::sqrt(of_noise + by_calibration.dot(of_calibration * by_calibration));
     }
     result.correction_px = LargestShiftPx(input_.rig, bundle_.rig);
     result.infinity_offset_px = DisparityAtInfinity(bundle_.rig) - DisparityAtInfinity(input_.rig);

@@ -60,6 +60,10 @@ Accuracy AccuracyOf(const Trajectory& trajectory, const Adjustment& adjustment,
   const double of_baseline = rig.baseline_sigma_m.value_or(0.0) / rig.Baseline();
   const auto scale = adjustment.scale_sigma ? adjustment.scale_sigma : FarthestSigma(trajectory);
   if (scale) accuracy.scale_95_pct = 100.0 * kSigmas95 * std::hypot(*scale, of_baseline);
+  if (const auto& noise = adjustment.scale_sigma_of_noise) {
+    accuracy.noise_95_pct = 100.0 * kSigmas95 * *noise;
+  }
+  if (rig.baseline_sigma_m) accuracy.baseline_95_pct = 100.0 * kSigmas95 * of_baseline;
   for (const TimedPose& pose : trajectory) {
     if (pose.source == PoseSource::kPredicted) continue;
     const Eigen::Vector3d way =

@@ -14,7 +14,10 @@ namespace rigmap {
 // it. Nothing for a rig that stands: whose path is shorter than its baseline.
 struct Accuracy {
   double path_m = 0.0;
-  std::optional<double> scale_95_pct;     // half of the interval that holds the true scale
+  std::optional<double> scale_95_pct;  // half of the interval that holds the true scale
+  // What it would be by noise alone (nothing where the adjustment does not say), and by the sigma
+  // that the rig file states of its baseline alone (nothing where it states none).
+  std::optional<double> noise_95_pct, baseline_95_pct;
   std::optional<double> position_95_m;    // radius about the worst measured position
   std::optional<double> position_95_pct;  // of the path, or of a metre if that is longer
 };

@@ -9,6 +9,7 @@
 
 #include "core/statistics.h"
 #include "gates/accuracy.h"
+#include "gates/internal/step_differences.h"
 
 namespace rigmap {
 namespace {
@@ -35,32 +36,6 @@ void JudgeAccuracy(const GateInputs& inputs, const PoseGateOptions& options, Gat
                          "positions are known to so many per cent of the path (95 %) only"));
 }
 
-struct StepDifference {
-  double sigmas = 0.0, pct = 0.0;
-};
-
-// Adjusted against odometric motion of every frame that was measured against a moving reference.
-std::vector<StepDifference> StepDifferences(const GateInputs& inputs) {
-  std::vector<StepDifference> differences;
-  for (std::size_t i = 0; i < inputs.odometry.size(); ++i) {
-    const OdometryFrame& frame = inputs.odometry[i];
-    const auto reference = static_cast<std::size_t>(frame.reference);
-    const auto &to = inputs.adjustment.world_from_left[i],
-               &from = inputs.adjustment.world_from_left[reference];
-    if (frame.source != PoseSource::kOdometry || reference == i || !to || !from) continue;
-    const Rigid3 odometric =
-        frame.world_from_left.Inverse() * inputs.odometry[reference].world_from_left;
-    const Rigid3 off = (to->Inverse() * *from) * odometric.Inverse();
-    Vector6d difference;
-    difference << off.translation, LogRotation(off.rotation);
-    const double squared = difference.dot(frame.step_covariance.ldlt().solve(difference)) / 6.0;
-    const double step_m = odometric.translation.norm();
-    differences.push_back({std::sqrt(std::max(0.0, squared)),
-                           step_m > 0.0 ? 100.0 * off.translation.norm() / step_m : 0.0});
-  }
-  return differences;
-}
-
 // How far off the steps of any few that follow each other are, in limits: a map that is torn or
 // bent in one spot is off there alone.
 std::optional<double> WorstWindow(const std::vector<StepDifference>& differences,
@@ -70,8 +45,7 @@ std::optional<double> WorstWindow(const std::vector<StepDifference>& differences
   for (std::size_t i = 0; i + kWindow <= differences.size(); ++i) {
     double least = std::numeric_limits<double>::infinity();
     for (std::size_t k = i; k < i + kWindow; ++k) {
-      least = std::min(least, std::min(differences[k].sigmas / options.motion_agreement_sigmas,
-                                       differences[k].pct / options.motion_agreement_pct));
+      least = std::min(least, differences[k].Excess(options));
     }
     worst = std::max(worst.value_or(0.0), least);
   }
@@ -89,10 +63,7 @@ void JudgeMotion(const GateInputs& inputs, const AdjustmentGateOptions& options,
              "three steps on end in which map and odometry differ, in limits of the two "
              "gates on all steps"));
   if (!differences.empty()) {
-    const auto excess = [&](const StepDifference& step) {
-      return std::min(step.sigmas / options.motion_agreement_sigmas,
-                      step.pct / options.motion_agreement_pct);
-    };
+    const auto excess = [&](const StepDifference& step) { return step.Excess(options); };
     const StepDifference typical = Quantile(std::move(differences), kShare, excess);
     sigmas = typical.sigmas;
     pct = typical.pct;

@@ -78,7 +78,7 @@ struct Stage<Product, Takes<Inputs...>, Reads<Options...>> {
 };
 
 // A check: what a finished product is worth. It is done whenever all that it takes is there, has no
-// name for --until, and keeps nothing but what it reports.
+// name for --until, and keeps nothing but what it reports, which others may take.
 template <class TakesThese, class ReadsThese>
 struct Check;
 

@@ -127,9 +127,10 @@ class StageGraph {
     return {Add(std::move(node))};
   }
 
+  // What it reports may be taken by others.
   template <class... Inputs, class... Options>
-  void AddCheck(const Check<Takes<Inputs...>, Reads<Options...>>& check,
-                const std::tuple<Options...>& options, Node<Inputs>... inputs) {
+  Node<Report> AddCheck(const Check<Takes<Inputs...>, Reads<Options...>>& check,
+                        const std::tuple<Options...>& options, Node<Inputs>... inputs) {
     StageNode node{.kind = StageNode::Kind::kCheck,
                    .name = check.name,
                    .about = check.about,
@@ -145,7 +146,7 @@ class StageGraph {
     node.report = [](const std::any& product, const StageNode::Inputs&) {
       return Unpack<Report>(product);
     };
-    Add(std::move(node));
+    return {Add(std::move(node))};
   }
 
   // `view` makes another form of its inputs, quickly; it is made anew in each run that needs it.
@@ -171,11 +172,13 @@ class StageGraph {
   std::vector<bool> Ancestors(std::size_t index) const;
   std::vector<bool> Descendants(std::size_t index) const;
 
- private:
+  // As products travel.
   template <class Value>
   static std::any Pack(Value value) {
     return std::make_shared<const Value>(std::move(value));
   }
+
+ private:
   template <class Value>
   static const Value& Unpack(const std::any& packed) {
     return *std::any_cast<const std::shared_ptr<const Value>&>(packed);

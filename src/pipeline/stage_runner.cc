@@ -208,6 +208,8 @@ const std::any& StageRunner::Get(std::size_t index) {
     product = node.open().second;
   } else if (node.kind == Kind::kView) {
     product = node.make(ContextOf(index), InputsOf(index));
+  } else if (node.kind == Kind::kCheck) {
+    product = StageGraph::Pack(ledger_.Find(node.name)->report);
   } else {
     product = node.load(ProductPath(index), *schedule_.keys[index]);
     if (!product.has_value()) {  // damaged inside, which only reading it whole showed

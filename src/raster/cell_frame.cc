@@ -43,7 +43,8 @@ void GriddedCloud::Validate() const {
 }
 
 CellFrame FrameOf(const GriddedCloud& cloud) {
-  const auto& [ply, cell_m] = cloud;
+  const std::filesystem::path& ply = cloud.ply;
+  const double cell_m = cloud.cell_m;
   const Eigen::AlignedBox2d bounds = BoundsOf(ply);
   if (bounds.isEmpty()) {
     throw DataError(fmt::format("{}: expected points, found none", ply.string()));

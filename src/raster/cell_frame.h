@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <cstdint>
 #include <filesystem>
+#include <string>
 
 namespace rigmap {
 
@@ -32,6 +33,7 @@ struct CellFrame {
 struct GriddedCloud {
   std::filesystem::path ply;
   double cell_m = 0.0;
+  std::string warning = {};  // what everything made of it has to bear; empty: nothing
 
   void Validate() const;  // throws UsageError for cells that are none
 };

@@ -100,9 +100,13 @@ GdalSession::~GdalSession() {
 }
 
 MapFile::MapFile(const std::filesystem::path& path, MapLayer layer, const CellFrame& frame,
-                 const Georeference& georeference)
+                 const Georeference& georeference, const std::string& warning)
     : path_(path), layer_(layer), dataset_(CreateTiled(path, layer, frame)) {
   Describe(frame, georeference);
+  if (warning.empty()) return;
+  for (const char* item : {"RIGMAP_VERDICT", "TIFFTAG_IMAGEDESCRIPTION"}) {
+    Require(dataset_->SetMetadataItem(item, warning.c_str()) == CE_None, path_);
+  }
 }
 
 MapFile::~MapFile() = default;

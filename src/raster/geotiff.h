@@ -44,8 +44,10 @@ enum class MapLayer { kHeight, kColour };
 // throw DataError naming the file when GDAL fails. A GdalSession must live.
 class MapFile {
  public:
+  // `warning`, unless it is empty, becomes the metadata RIGMAP_VERDICT and the file's standard
+  // description.
   MapFile(const std::filesystem::path& path, MapLayer layer, const CellFrame& frame,
-          const Georeference& georeference);
+          const Georeference& georeference, const std::string& warning = {});
   ~MapFile();
 
   // Writes those cells of the grid, whose first `margin` columns and rows lie before the tile, that

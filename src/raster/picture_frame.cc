@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
@@ -11,7 +12,8 @@ namespace {
 
 const cv::Scalar kInk{40, 40, 40};
 const cv::Scalar kWhite{255, 255, 255};
-constexpr double kTextScale = 0.6;  // of OpenCV's plain font: 13 px high
+const cv::Scalar kWarningColour{20, 20, 200};  // red
+constexpr double kTextScale = 0.6;             // of OpenCV's plain font: 13 px high
 constexpr int kFont = cv::FONT_HERSHEY_SIMPLEX;
 constexpr int kShift = 4;  // binary digits of a pixel's fraction in OpenCV's points
 
@@ -75,6 +77,22 @@ void DrawPath(cv::Mat3b& picture, const std::vector<Eigen::Vector2d>& path_px) {
   if (path_px.size() > 1) DrawMark(picture, path_px.back(), kPathColour, apart ? "end" : "");
   DrawMark(picture, path_px.front(), kStartColour,
            apart || path_px.size() == 1 ? "start" : "start, end");
+}
+
+void DrawWarning(cv::Mat3b& picture, const std::string& words) {
+  constexpr int kFramePx = 6;
+  std::string text = words;
+  const auto colon = std::min(text.find(':'), text.size());
+  std::transform(
+      text.begin(), text.begin() + static_cast<std::ptrdiff_t>(colon), text.begin(),
+      [](unsigned char character) { return static_cast<char>(std::toupper(character)); });
+  cv::rectangle(picture, {0, 0}, {picture.cols - 1, picture.rows - 1}, kWarningColour,
+                2 * kFramePx - 1);  // half of it falls outside
+  cv::rectangle(picture, cv::Rect(0, 0, picture.cols, kMarginPx), kWarningColour, cv::FILLED);
+  const cv::Size size = cv::getTextSize(text, kFont, 1.0, 2, nullptr);
+  const double scale = std::min(0.8, (picture.cols - 2.0 * kMarginPx) / size.width);
+  const int baseline = cvRound((kMarginPx + scale * size.height) / 2.0);
+  cv::putText(picture, text, {kMarginPx, baseline}, kFont, scale, kWhite, 2, cv::LINE_AA);
 }
 
 double DrawFooter(Canvas& canvas, double px_per_m, const std::string& caption) {

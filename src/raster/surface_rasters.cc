@@ -93,8 +93,8 @@ void WriteSurfaceRasters(const GriddedCloud& cloud, const fs::path& folder,
   const GdalSession session;
   PointBins bins(frame, options.max_hole_cells, scratch.File("points"));
   FillBins(cloud.ply, bins);
-  MapFile height(scratch.File("height"), MapLayer::kHeight, frame, georeference);
-  MapFile ortho(scratch.File("ortho"), MapLayer::kColour, frame, georeference);
+  MapFile height(scratch.File("height"), MapLayer::kHeight, frame, georeference, cloud.warning);
+  MapFile ortho(scratch.File("ortho"), MapLayer::kColour, frame, georeference, cloud.warning);
   WriteTiles(bins, frame, options.max_hole_cells, {&height, &ortho});
   height.SaveCloudOptimised(scratch.File("height.tif"));
   ortho.SaveCloudOptimised(scratch.File("ortho.tif"));

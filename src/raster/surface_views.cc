@@ -176,7 +176,8 @@ std::vector<std::array<Eigen::Vector3d, 2>> PlumbLines(const View& top, const Su
 }
 
 cv::Mat3b Picture(const View& view, const SurfaceGrid& surface, const Trajectory& trajectory,
-                  const std::vector<std::array<Eigen::Vector3d, 2>>& plumb_lines) {
+                  const std::vector<std::array<Eigen::Vector3d, 2>>& plumb_lines,
+                  const std::string& warning) {
   Canvas canvas = EmptyCanvas(view.size_px);
   DrawShaded(surface, view.px_per_m, canvas.picture(canvas.view));
   const auto pixel = [&](const Eigen::Vector3d& x_in_world) -> Eigen::Vector2d {
@@ -194,6 +195,7 @@ cv::Mat3b Picture(const View& view, const SurfaceGrid& surface, const Trajectory
   const bool shows_plumb_lines = !plumb_lines.empty() && view.axes.up.z() > 0.0;
   DrawFooter(canvas, view.px_per_m,
              view.caption + (shows_plumb_lines ? "; thin: down to the ground" : ""));
+  if (!warning.empty()) DrawWarning(canvas.picture, warning);
   return canvas.picture;
 }
 
@@ -229,7 +231,8 @@ void WriteSurfaceViews(const GriddedCloud& cloud, const Trajectory& trajectory,
   }
   const auto plumb_lines = PlumbLines(views[0], surfaces[0], trajectory);
   for (std::size_t i = 0; i < views.size(); ++i) {
-    WritePng(Picture(views[i], surfaces[i], trajectory, plumb_lines), folder / views[i].name);
+    WritePng(Picture(views[i], surfaces[i], trajectory, plumb_lines, cloud.warning),
+             folder / views[i].name);
   }
 }
 

@@ -56,6 +56,8 @@ struct Adjustment {
   // positions: what noise and calibration leave unknown of it. Nothing for positions that hang on
   // several datum frames or do not differ.
   std::optional<double> scale_sigma;
+  // What of that a perfect calibration would leave; there whenever scale_sigma is.
+  std::optional<double> scale_sigma_of_noise;
   double noise_px = 0.0;         // robust sigma of one residual coordinate
   double reprojection_px = 0.0;  // median distance
   double outlier_share = 0.0;    // of all observations of tracks in the posed frames
@@ -71,8 +73,8 @@ struct Adjustment {
   void serialize(Archive& archive) {
     archive(world_from_left, datum_frames, covariances, points, rig, refined, rig_correction,
             rig_correction_sigmas, correction_px, infinity_offset_px, infinity_offset_sigma_px,
-            scale_sigma, noise_px, reprojection_px, outlier_share, calibration,
-            calibration_inflation);
+            scale_sigma, scale_sigma_of_noise, noise_px, reprojection_px, outlier_share,
+            calibration, calibration_inflation);
   }
 };
 

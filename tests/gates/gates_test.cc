@@ -2,10 +2,12 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
 
+#include "gates/findings.h"
 #include "tests/support/synthetic_rover.h"
 
 namespace rigmap {
@@ -406,6 +408,32 @@ TEST_F(GatesTest, DepthBiasIsJudgedBySize) {
   EXPECT_FALSE(JudgeDepthBias(-options_.dense.depth_bias_px - 1e-9, options_.dense).passed);
   EXPECT_FALSE(JudgeDepthBias(options_.dense.depth_bias_px + 1e-9, options_.dense).passed);
   EXPECT_TRUE(JudgeDepthBias(std::nullopt, options_.dense).passed);
+}
+
+TEST_F(GatesTest, PiecesAreWhatMeasurementsJoin) {
+  const auto findings = [&] {
+    return FindingsOf({rig_, odometry_, adjustment_, trajectory_, &aligned_, epipolar_px_},
+                      options_);
+  };
+  adjustment_.datum_frames.assign(12, 0);
+  EXPECT_THAT(findings().pieces, testing::ElementsAre(FrameRange{0, 12}));
+  EXPECT_THAT(findings().guessed, testing::IsEmpty());
+  // A frame that shows nothing, but its neighbours were matched with each other.
+  odometry_[4].source = trajectory_[4].source = PoseSource::kPredicted;
+  odometry_[5].reference = 4;
+  EXPECT_THAT(findings().pieces, testing::ElementsAre(FrameRange{0, 12}));
+  EXPECT_THAT(findings().guessed, testing::ElementsAre(FrameRange{4, 5}));
+  EXPECT_EQ(findings().LongestMeasured(), (FrameRange{5, 12}));
+  EXPECT_EQ(findings().breaks, 0);
+  // They were not: the odometry began anew, and nothing shows the same points.
+  odometry_[5].source = PoseSource::kPredicted;
+  std::fill(adjustment_.datum_frames.begin() + 5, adjustment_.datum_frames.end(), 5);
+  EXPECT_THAT(findings().pieces, testing::ElementsAre(FrameRange{5, 12}, FrameRange{0, 4}));
+  EXPECT_EQ(findings().breaks, 1);
+  // The map is torn at frame 10; two frames are no piece.
+  Shift(10, {Eigen::Quaterniond::Identity(), {0.05, 0.0, 0.0}});
+  EXPECT_THAT(findings().pieces, testing::ElementsAre(FrameRange{5, 10}, FrameRange{0, 4}));
+  EXPECT_EQ(findings().breaks, 1);
 }
 
 TEST(FailureReasonText, NamesWhatFailedWithValueLimitAndWhy) {

@@ -160,6 +160,48 @@ TEST_F(StageRunnerTest, MakesEverythingOnceAndThenReusesIt) {
   EXPECT_EQ(ledger_.Find("check")->report, (Report{{"verdict", "a125"}}));
 }
 
+std::string DrawVerdict(const StageContext&, const Report& report) {
+  return Deed("drawing", report["verdict"].get<std::string>());
+}
+Report ReportDrawing(const std::string& product, const Report&) { return {{"text", product}}; }
+
+// A drawing that bears a check's verdict.
+StageGraph GraphWithDrawing(int check_number) {
+  StageGraph graph;
+  const auto given = graph.AddSource<std::string>(
+      "given", [] { return std::pair<std::string, std::string>("a", "a"); });
+  const auto check =
+      graph.AddCheck(Check<Takes<std::string>, Reads<TextOptions>>{"check", "code", Judge},
+                     Reading(TextOptions{check_number}), given);
+  graph.AddStage(
+      Stage<std::string, Takes<Report>, Reads<>>{
+          .name = "drawing", .code = "code", .make = DrawVerdict, .report = ReportDrawing},
+      Reading(), check);
+  return graph;
+}
+
+TEST_F(StageRunnerTest, WhatACheckReportsMayBeTaken) {
+  std::string drawn;
+  const auto run = [&](int check_number) {
+    deeds.clear();
+    const StageGraph graph = GraphWithDrawing(check_number);
+    StageRunner runner(graph, root_, {"test", "drawing", {}, 100, {}});
+    Job job(1, true);
+    job.Run([&] { runner.Run(job); });
+    drawn = runner.ledger().Find("drawing")->report["text"];
+    return deeds;
+  };
+  EXPECT_THAT(run(5), ElementsAre("check", "make drawing"));
+  EXPECT_EQ(drawn, "a5");
+  EXPECT_THAT(run(5), IsEmpty());
+  // As the ledger remembers it, where the check holds but not the drawing.
+  fs::remove(ProductOf("drawing"));
+  EXPECT_THAT(run(5), ElementsAre("make drawing"));
+  EXPECT_EQ(drawn, "a5");
+  EXPECT_THAT(run(6), ElementsAre("check", "make drawing"));
+  EXPECT_EQ(drawn, "a6");
+}
+
 TEST_F(StageRunnerTest, RecordsTimeMemoryAndALog) {
   Run({});
   const StageRecord* record = ledger_.Find("adjustment");

@@ -40,9 +40,10 @@ class GeoTiffTest : public testing::Test {
  protected:
   // The tiles through a map in the making and a finished one, and open again.
   std::unique_ptr<GDALDataset> Saved(MapLayer layer, const std::vector<SurfaceGrid>& tiles,
-                                     const Georeference& georeference = {}) {
+                                     const Georeference& georeference = {},
+                                     const std::string& warning = {}) {
     const GdalSession session;
-    MapFile map(folder_.Path() / "unfinished", layer, kFrame, georeference);
+    MapFile map(folder_.Path() / "unfinished", layer, kFrame, georeference, warning);
     for (std::size_t i = 0; i < tiles.size(); ++i) {
       map.WriteTile(static_cast<int>(i), 0, tiles[i], kMargin);
     }
@@ -116,6 +117,17 @@ TEST_F(GeoTiffTest, CellsLieWhereTheGeoreferencePutsThem) {
         kFrame.UpperLeft() + kFrame.cell_m * Eigen::Vector2d(column, -row);
     const Eigen::Vector2d map(t[0] + column * t[1] + row * t[2], t[3] + column * t[4] + row * t[5]);
     EXPECT_LT((map - georeference.map_from_world * world).norm(), 1e-8);
+  }
+}
+
+TEST_F(GeoTiffTest, AWarningIsMetadataAndTheFilesDescription) {
+  for (const MapLayer layer : {MapLayer::kHeight, MapLayer::kColour}) {
+    const auto trusted = Saved(layer, {});
+    EXPECT_EQ(trusted->GetMetadataItem("RIGMAP_VERDICT"), nullptr);
+    EXPECT_EQ(trusted->GetMetadataItem("TIFFTAG_IMAGEDESCRIPTION"), nullptr);
+    const auto dataset = Saved(layer, {}, {}, "not trusted: a");
+    EXPECT_STREQ(dataset->GetMetadataItem("RIGMAP_VERDICT"), "not trusted: a");
+    EXPECT_STREQ(dataset->GetMetadataItem("TIFFTAG_IMAGEDESCRIPTION"), "not trusted: a");
   }
 }
 

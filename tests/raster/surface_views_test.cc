@@ -78,9 +78,10 @@ int BarPx(const cv::Mat3b& picture) {
 
 class Views : public testing::Test {
  protected:
-  void Write(const PointCloud& cloud, const Trajectory& trajectory) {
-    WriteSurfaceViews({WriteCloud(folder_.Path() / "dense.ply", cloud), kViewCell}, trajectory,
-                      folder_.Path(), options_);
+  void Write(const PointCloud& cloud, const Trajectory& trajectory,
+             const std::string& warning = {}) {
+    WriteSurfaceViews({WriteCloud(folder_.Path() / "dense.ply", cloud), kViewCell, warning},
+                      trajectory, folder_.Path(), options_);
   }
   cv::Mat3b Picture(const std::string& name) {
     return cv::imread((folder_.Path() / name).string(), cv::IMREAD_COLOR);
@@ -89,6 +90,38 @@ class Views : public testing::Test {
   TemporaryFolder folder_;
   PictureOptions options_{.picture_px = 1000};
 };
+
+bool IsRed(const cv::Vec3b& pixel) { return pixel[2] > 150 && pixel[0] < 60 && pixel[1] < 60; }
+
+TEST_F(Views, BearAWarningInTheirMarginsOnly) {
+  const PointCloud cloud = MapCloud(kViewCell);
+  Write(cloud, PathAlongX());
+  for (const char* name : {"view_top.png", "view_side.png", "view_oblique.png"}) {
+    const cv::Mat3b before = Picture(name);
+    EXPECT_FALSE(IsRed(before(4, before.cols / 2))) << name;
+  }
+  const cv::Mat3b trusted = Picture("view_top.png");
+  Write(cloud, PathAlongX(), "not trusted: scale known to 1.2 %, asked 1 %");
+  for (const char* name : {"view_top.png", "view_side.png", "view_oblique.png"}) {
+    const cv::Mat3b picture = Picture(name);
+    EXPECT_TRUE(IsRed(picture(4, picture.cols / 2))) << name;
+    EXPECT_TRUE(IsRed(picture(picture.rows / 2, 2))) << name;
+    EXPECT_TRUE(IsRed(picture(picture.rows - 3, picture.cols - 3))) << name;
+  }
+  // The words are white on the band.
+  const cv::Mat3b picture = Picture("view_top.png");
+  const cv::Mat3b band = picture(cv::Rect(0, 0, picture.cols, kMarginPx));
+  int white = 0;
+  for (const cv::Vec3b& pixel : cv::Mat3b(band.clone())) white += pixel == cv::Vec3b(255, 255, 255);
+  EXPECT_GT(white, 500);
+  ASSERT_EQ(picture.size(), trusted.size());
+  const cv::Rect inside(kMarginPx, kMarginPx, picture.cols - 2 * kMarginPx,
+                        picture.rows - 2 * kMarginPx);
+  EXPECT_EQ(cv::norm(picture(inside), trusted(inside), cv::NORM_INF), 0.0);
+  // However long the words, they stay inside.
+  Write(cloud, PathAlongX(), "not trusted: " + std::string(300, 'w'));
+  EXPECT_TRUE(IsRed(Picture("view_top.png")(16, picture.cols - 8)));
+}
 
 TEST(ScaleBar, IsTheLongestRoundLengthThatFits) {
   EXPECT_DOUBLE_EQ(ScaleBarLength(1.0), 1.0);

@@ -120,21 +120,50 @@ TEST_F(ContinuedPart, WithAnotherPictureSizeMakesPicturesOnly) {
   EXPECT_FALSE(ReadTextFile(out_ / "view_top.png") == picture);
 }
 
-TEST_F(ContinuedPart, JudgedByOtherLimitsMakesNothingAnew) {
+// Nothing but what bears the verdict.
+TEST_F(ContinuedPart, JudgedByOtherLimitsMakesNothingElseAnew) {
   const ProgramEnd end = Continue({"--set", "gates.epipolar_px=0.000001"});
   EXPECT_EQ(end.exit_code, 3);
-  EXPECT_THAT(Made(), IsEmpty());
+  EXPECT_THAT(Made(), ElementsAre("raster", "views"));
   EXPECT_EQ(Summary()["status"], "untrusted");
   EXPECT_THAT(Summary()["reason"].get<std::string>(), HasSubstr("epipolar_px"));
 }
 
-TEST_F(ContinuedPart, AskedToBeBetterThanItIsMakesNothingAnewAndSaysSo) {
+TEST_F(ContinuedPart, SaysInEveryFileThatItIsNotTrustedAsLongAsItIsNot) {
+  const auto trusted = Published();
+  ASSERT_EQ(Continue({"--set", "gates.epipolar_px=0.000001"}).exit_code, 3);
+  const std::string sentence = "not trusted: left and right images do not fit the rig file\n";
+  for (const char* name : {"trajectory.tum", "trajectory_midpoint.tum"}) {
+    EXPECT_THAT(ReadTextFile(out_ / name), StartsWith("# " + sentence)) << name;
+  }
+  for (const char* name : {"dense.ply", "sparse.ply"}) {
+    EXPECT_THAT(ReadTextFile(out_ / name).substr(0, 200), HasSubstr("\ncomment " + sentence));
+  }
+  for (const char* name : {"height.tif", "ortho.tif"}) {
+    EXPECT_THAT(ReadTextFile(out_ / name), HasSubstr("RIGMAP_VERDICT")) << name;
+  }
+  const auto untrusted = Published();
+  for (const char* name : {"view_top.png", "view_side.png", "view_oblique.png"}) {
+    EXPECT_FALSE(untrusted.at(name) == trusted.at(name)) << name;
+  }
+  // What is removed comes back with it, and all of it goes with the reason.
+  fs::remove(out_ / "trajectory.tum");
+  ASSERT_EQ(Continue({"--set", "gates.epipolar_px=0.000001"}).exit_code, 3);
+  EXPECT_EQ(Published(), untrusted);
+  ASSERT_EQ(Continue({}).exit_code, 0);
+  EXPECT_EQ(Published(), trusted);
+}
+
+TEST_F(ContinuedPart, AskedToBeBetterThanItIsMakesNothingElseAnewAndSaysSo) {
   const double scale_95_pct = Summary()["verdict"]["scale_95_pct"];
   ASSERT_GT(scale_95_pct, 0.0);
   const ProgramEnd end = Continue({"--accuracy", std::to_string(0.5 * scale_95_pct)});
   EXPECT_EQ(end.exit_code, 3);
   EXPECT_THAT(end.LastErrorLine(), HasSubstr("gate scale_95_pct"));
-  EXPECT_THAT(Made(), IsEmpty());
+  EXPECT_THAT(end.err, HasSubstr("rigmap: NOT TRUSTED: the scale is known to "));
+  EXPECT_THAT(end.err, HasSubstr("rigmap: usable all the same: shape and path: metres to "));
+  EXPECT_THAT(end.err, HasSubstr("rigmap: to try next: "));
+  EXPECT_THAT(Made(), ElementsAre("raster", "views"));
   EXPECT_EQ(Summary()["status"], "untrusted");
   EXPECT_THAT(Summary()["verdict"]["text"].get<std::string>(),
               StartsWith("consistent, but not as good"));

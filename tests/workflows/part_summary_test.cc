@@ -106,7 +106,9 @@ TEST_F(PartSummaryTest, FailedGateMakesThePartUntrusted) {
   const Report summary = Written();
   EXPECT_EQ(summary["status"], "untrusted");
   EXPECT_EQ(summary["reason"], Judge(ledger_).reason);
-  EXPECT_EQ(summary["reason"], "gate c is 3, limit 1: too much of c");
+  EXPECT_EQ(summary["reason"], "too much of c: 3 (limit 1) (gate c)");
+  EXPECT_EQ(summary["verdict"]["causes"][0]["gates"], Report({"c"}));
+  EXPECT_EQ(summary["verdict"]["usable"], "nothing");
   ASSERT_EQ(summary["gates"].size(), 2U);
   EXPECT_EQ(summary["gates"][1], (Report{{"name", "c"},
                                          {"value", 3.0},
@@ -137,7 +139,7 @@ TEST_F(PartSummaryTest, VerdictSaysWhetherFiguresHoldAndHowGoodTheyAre) {
   // What contradicts itself is said first, though it came last.
   Add("depth_gates", GateReport("c", 3.0, false), false);
   EXPECT_THAT(Written()["verdict"]["text"].get<std::string>(),
-              StartsWith("inconsistent: too much of c"));
+              StartsWith("inconsistent: too much of c; were it right: metres"));
 }
 
 TEST_F(PartSummaryTest, FailureIsTheReasonWhateverTheGatesSay) {

@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
-#include "gates/accuracy.h"
+#include <cmath>
+
+#include "gates/refusal.h"
 #include "pipeline/code_identity.h"
 #include "workflows/stages/depth_consistency_report.h"
 #include "workflows/stages/mapping.h"
@@ -22,12 +24,6 @@ Report ReportGates(const Gates& gates) {
   return {{"gates", std::move(list)}};
 }
 
-std::string Length(double metres) {
-  return metres < 0.01  ? fmt::format("{:.1f} mm", 1000.0 * metres)
-         : metres < 1.0 ? fmt::format("{:.1f} cm", 100.0 * metres)
-                        : fmt::format("{:.2f} m", metres);
-}
-
 // What the metres rest on, for the verdict.
 std::string AboutRig(const StereoRig& rig, const Adjustment& adjustment) {
   std::string about;
@@ -42,20 +38,58 @@ std::string AboutRig(const StereoRig& rig, const Adjustment& adjustment) {
   return about + fmt::format("if the baseline is {:.2f} mm", 1000.0 * rig.Baseline());
 }
 
+Report ToJson(const std::optional<double>& value) {
+  return value ? Report(*value) : Report(nullptr);
+}
+
+Report ToJson(const std::vector<FrameRange>& ranges) {
+  Report list = Report::array();
+  for (const FrameRange& range : ranges) list.push_back({range.first, range.end});
+  return list;
+}
+
+std::vector<FrameRange> RangesIn(const Report& list) {
+  std::vector<FrameRange> ranges;
+  for (const Report& range : list) ranges.push_back({range.at(0), range.at(1)});
+  return ranges;
+}
+
+// Nothing also for what is not finite, whether it was written and read back or not.
+std::optional<double> FromJson(const Report& value) {
+  if (!value.is_number() || !std::isfinite(value.get<double>())) return std::nullopt;
+  return value.get<double>();
+}
+
+Gates ReadGates(const Report& report) {
+  Gates gates;
+  for (const Report& gate : report.at("gates")) {
+    gates.push_back({gate.at("name"), FromJson(gate.at("value")), gate.at("limit"),
+                     gate.at("passed"), gate.at("why")});
+  }
+  return gates;
+}
+
 // Beside the gates: how good the poses are, for the verdict.
-Report ReportPart(const Gates& gates, const GateInputs& inputs, const PoseGateOptions& options) {
-  const Accuracy accuracy = AccuracyOf(inputs.trajectory, inputs.adjustment, inputs.rig);
-  const auto number = [](const std::optional<double>& value) {
-    return value ? Report(*value) : Report(nullptr);
-  };
-  Report report = ReportGates(gates);
-  report["verdict"] = {{"scale_95_pct", number(accuracy.scale_95_pct)},
-                       {"position_95_m", number(accuracy.position_95_m)},
-                       {"accuracy_asked_pct", options.accuracy_pct}};
+Report ReportPart(const GateInputs& inputs, const GateOptions& options) {
+  const PartFindings findings = FindingsOf(inputs, options);
+  const Accuracy& accuracy = findings.accuracy;
+  Report report = ReportGates(JudgePart(inputs, options));
+  report["verdict"] = {{"scale_95_pct", ToJson(accuracy.scale_95_pct)},
+                       {"position_95_m", ToJson(accuracy.position_95_m)},
+                       {"accuracy_asked_pct", findings.accuracy_asked_pct},
+                       {"known",
+                        {{"path_m", accuracy.path_m},
+                         {"scale_95_pct_of_noise", ToJson(accuracy.noise_95_pct)},
+                         {"scale_95_pct_of_baseline", ToJson(accuracy.baseline_95_pct)},
+                         {"baseline_m", findings.baseline_m},
+                         {"frames", findings.frames},
+                         {"guessed", ToJson(findings.guessed)},
+                         {"breaks", findings.breaks},
+                         {"pieces", ToJson(findings.pieces)}}}};
   std::string text;
   if (accuracy.scale_95_pct && accuracy.position_95_m) {
     text = fmt::format("metres good to {:.2g} % and positions to {} (95 %); ",
-                       *accuracy.scale_95_pct, Length(*accuracy.position_95_m));
+                       *accuracy.scale_95_pct, LengthText(*accuracy.position_95_m));
   }
   report["verdict"]["text"] = text + AboutRig(inputs.rig, inputs.adjustment);
   report["depth_consistency"] = ReportDepthConsistency(inputs.depth_consistency);
@@ -75,8 +109,7 @@ Report JudgeAdjusted(const Dataset& dataset, const FeatureIndex& features,
                           was_mapped ? &aligned : nullptr,
                           features.epipolar_px,
                           DepthConsistencyOf(part.adjustment)};
-  return ReportPart(JudgePart(inputs, {mapping, poses, adjustment, calibration, {}}), inputs,
-                    poses);
+  return ReportPart(inputs, {mapping, poses, adjustment, calibration, {}});
 }
 
 Report JudgeOdometric(const Dataset& dataset, const FeatureIndex& features,
@@ -88,8 +121,7 @@ Report JudgeOdometric(const Dataset& dataset, const FeatureIndex& features,
   none.world_from_left.resize(odometry.size());
   const GateInputs inputs{dataset.rig,     odometry, none,
                           part.trajectory, nullptr,  features.epipolar_px};
-  return ReportPart(JudgePart(inputs, {mapping, poses, adjustment, calibration, {}}), inputs,
-                    poses);
+  return ReportPart(inputs, {mapping, poses, adjustment, calibration, {}});
 }
 
 Report JudgeDepths(const DepthIndex& depths, const DepthGateOptions& options) {
@@ -117,6 +149,35 @@ DepthGatesCheck DepthGates() {
           .code = CodeHere(),
           .make = JudgeDepths,
           .about = "whether dense depth agrees with the sparse points"};
+}
+
+JudgedPart ReadJudged(const Report& merged) {
+  JudgedPart judged{.gates = ReadGates(merged), .findings = {}};
+  const Report& verdict = merged.at("verdict");
+  PartFindings& findings = judged.findings;
+  Accuracy& accuracy = findings.accuracy;
+  accuracy.scale_95_pct = FromJson(verdict.at("scale_95_pct"));
+  accuracy.position_95_m = FromJson(verdict.at("position_95_m"));
+  if (verdict.at("accuracy_asked_pct").is_number()) {
+    findings.accuracy_asked_pct = verdict.at("accuracy_asked_pct");
+  }
+  const Report known = verdict.value("known", Report());
+  if (!known.is_object()) return judged;
+  accuracy.path_m = FromJson(known.at("path_m")).value_or(0.0);
+  accuracy.noise_95_pct = FromJson(known.at("scale_95_pct_of_noise"));
+  accuracy.baseline_95_pct = FromJson(known.at("scale_95_pct_of_baseline"));
+  findings.baseline_m = known.at("baseline_m");
+  findings.frames = known.at("frames");
+  findings.guessed = RangesIn(known.at("guessed"));
+  findings.breaks = known.at("breaks");
+  findings.pieces = RangesIn(known.at("pieces"));
+  return judged;
+}
+
+Warning WarningByGates(const StageContext&, const Report& gates, const Report& depth_gates) {
+  JudgedPart judged = ReadJudged(gates);
+  for (const Gate& gate : ReadGates(depth_gates)) judged.gates.push_back(gate);
+  return {WarningOf(RefusalOf(judged.gates, judged.findings))};
 }
 
 }  // namespace rigmap

@@ -1,7 +1,9 @@
 // The checks of a part: whether its poses and its depths are to be trusted.
 #pragma once
 
-#include "gates/gates.h"
+#include <string>
+
+#include "gates/findings.h"
 #include "pipeline/stage.h"
 #include "workflows/stages/adjustment.h"
 #include "workflows/stages/dense.h"
@@ -23,5 +25,19 @@ OdometricGatesCheck OdometricGates();
 
 using DepthGatesCheck = Check<Takes<DepthIndex>, Reads<DepthGateOptions>>;
 DepthGatesCheck DepthGates();
+
+// What the checks of a part reported, `gates` and `verdict` of summary.json, read back.
+struct JudgedPart {
+  Gates gates;
+  PartFindings findings;
+};
+JudgedPart ReadJudged(const Report& merged);
+
+// What everything made of a part has to bear; empty where it is to be trusted.
+struct Warning {
+  std::string text;
+};
+// A view.
+Warning WarningByGates(const StageContext& context, const Report& gates, const Report& depth_gates);
 
 }  // namespace rigmap

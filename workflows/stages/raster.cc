@@ -6,11 +6,12 @@
 namespace rigmap {
 namespace {
 
-Published MakeRasters(const StageContext& context, const FusedMap& map,
+Published MakeRasters(const StageContext& context, const FusedMap& map, const Warning& warning,
                       const RasterOptions& options, const VoxelOptions& voxel) {
   if (map.points == 0) return {};
   for (const char* name : {"height.tif", "ortho.tif"}) context.publication->Path(name);
-  WriteSurfaceRasters({context.root / "dense.ply", voxel.voxel_m}, context.root, options);
+  WriteSurfaceRasters({context.root / "dense.ply", voxel.voxel_m, warning.text}, context.root,
+                      options);
   return {};
 }
 

@@ -4,6 +4,7 @@
 #include "raster/raster_options.h"
 #include "scene/voxel_options.h"
 #include "workflows/stages/fusion.h"
+#include "workflows/stages/gates.h"
 
 namespace rigmap {
 
@@ -13,7 +14,7 @@ struct Published {
   void serialize(Archive&) {}
 };
 
-using RasterStage = Stage<Published, Takes<FusedMap>, Reads<RasterOptions, VoxelOptions>>;
+using RasterStage = Stage<Published, Takes<FusedMap, Warning>, Reads<RasterOptions, VoxelOptions>>;
 RasterStage Rasters();
 
 }  // namespace rigmap

@@ -6,7 +6,7 @@
 namespace rigmap {
 
 using ViewsStage =
-    Stage<Published, Takes<PosedPart, FusedMap>, Reads<PictureOptions, VoxelOptions>>;
+    Stage<Published, Takes<PosedPart, FusedMap, Warning>, Reads<PictureOptions, VoxelOptions>>;
 ViewsStage Pictures();
 
 }  // namespace rigmap

@@ -41,4 +41,8 @@ void DrawPlumbLine(cv::Mat3b& picture, const Eigen::Vector2d& camera_px,
 // the caption. Returns the bar's length in metres.
 double DrawFooter(Canvas& canvas, double px_per_m, const std::string& caption);
 
+// A red band along the top, in the margin, with these words in capitals up to the first colon, and
+// a red frame around the picture. The words are made as small as they must to fit.
+void DrawWarning(cv::Mat3b& picture, const std::string& words);
+
 }  // namespace rigmap

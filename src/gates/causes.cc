@@ -1,0 +1,244 @@
+#include "gates/internal/causes.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace rigmap {
+namespace {
+
+constexpr std::string_view kSameMoment =
+    "check that left and right images are of the same moment and sharp, and that not everything in "
+    "view moves; a slower stretch (--frames) shows whether motion is the reason";
+constexpr std::string_view kThisRig =
+    "check that the rig file is of these cameras at this image size, left and right not exchanged; "
+    "else calibrate them anew and give that file with --rig";
+constexpr std::string_view kManyDrives =
+    "put several drives with this rig together, rigmap calibrate OUT... --rig-out FILE, and run "
+    "again with --rig FILE";
+
+// What the uncertainty comes from, and what helps against it.
+struct Origin {
+  std::string_view about, advice;
+};
+
+Origin OriginOf(const Failed& failed) {
+  const Accuracy& accuracy = failed.findings().accuracy;
+  const auto share = [&](const std::optional<double>& part) {
+    if (!part || !accuracy.scale_95_pct) return 0.0;
+    return *part * *part / (*accuracy.scale_95_pct * *accuracy.scale_95_pct);
+  };
+  constexpr double kMost = 0.5;  // of the variance
+  if (failed.findings().breaks > 0) {
+    return {"part of the way is guessed", "take a stretch without gaps (--frames)"};
+  }
+  if (!accuracy.noise_95_pct) {
+    return {"the errors of single steps add up",
+            "let --technique rig adjust all steps together, or take more images on the same way"};
+  }
+  if (share(accuracy.baseline_95_pct) > kMost) {
+    return {"most of it is what the rig file says its baseline may be off by",
+            "measure the baseline more exactly, and say so in the rig file (sigmas: baseline_m)"};
+  }
+  if (share(accuracy.noise_95_pct) > kMost) {
+    return {"most of it is noise of the images",
+            "take a longer stretch, more images on the same way, or nearer ground"};
+  }
+  return {"most of it is what is not known of the rig's calibration", kManyDrives};
+}
+
+}  // namespace
+
+Failed::Failed(const Gates& gates, const PartFindings& findings, int first_frame)
+    : findings_(findings), first_frame_(first_frame) {
+  for (Gate gate : gates) {
+    if (gate.passed) continue;
+    // As it is once it was kept and read back: JSON has no other numbers.
+    if (gate.value && !std::isfinite(*gate.value)) gate.value.reset();
+    gates_.push_back(std::move(gate));
+  }
+}
+
+const Gate* Failed::Find(std::string_view name) const {
+  const auto found = std::ranges::find(gates_, name, &Gate::name);
+  return found == gates_.end() ? nullptr : &*found;
+}
+
+std::string Failed::Frames(const FrameRange& range) const {
+  return fmt::format("{}:{}", first_frame_ + range.first, first_frame_ + range.end);
+}
+
+bool Failed::IsInPieces() const {
+  return !findings_.pieces.empty() && findings_.pieces.front().Count() < findings_.frames;
+}
+
+std::string ValueText(const Gate& gate, double factor) {
+  if (!gate.value) return "an unknown number of";
+  return fmt::format("{:.2g}", factor * *gate.value);
+}
+
+std::string LimitText(const Gate& gate, double factor) {
+  return fmt::format("{:.2g}", factor * gate.limit);
+}
+
+Cause RigDoesNotFit(const Failed& failed) {
+  const Gate& gate = *failed.Find("epipolar_px");
+  return {"left and right images do not fit the rig file",
+          fmt::format("left and right images do not fit the rig file: half of the points lie {} px "
+                      "and more beside the line on which it has them (expected: at most {} px)",
+                      ValueText(gate), LimitText(gate)),
+          std::string(kThisRig)};
+}
+
+Cause NothingToFollow(const Failed& failed) {
+  const Gate& gate = *failed.Find("predicted");
+  const PartFindings& findings = failed.findings();
+  constexpr std::size_t kMostRanges = 4;
+  std::vector<std::string> ranges;
+  for (const FrameRange& range : findings.guessed) ranges.push_back(failed.Frames(range));
+  if (ranges.size() > kMostRanges) {
+    ranges.resize(kMostRanges);
+    ranges.emplace_back("...");
+  }
+  const auto rest = findings.LongestMeasured();
+  return {
+      fmt::format("{} of {} poses are guessed", findings.GuessedCount(), findings.frames),
+      fmt::format("{} of {} frames ({}) show nothing that could be followed, so that their poses "
+                  "are guessed (expected: at most {} %)",
+                  findings.GuessedCount(), findings.frames, fmt::join(ranges, ", "),
+                  LimitText(gate, 100.0)),
+      fmt::format(
+          "look at these images: black, blinded, blurred, or too far from one to the "
+          "next to have anything in common{}",
+          rest ? fmt::format("; --frames {} is the longest run without them", failed.Frames(*rest))
+               : "")};
+}
+
+Cause RigIsContradicted(const Failed& failed) {
+  if (const Gate* gate = failed.Find("rig_refinement_px")) {
+    return {"the images contradict the rig file",
+            fmt::format("the images contradict the rig file: they would have it moved by {} px in "
+                        "the right image (a calibration errs by {} px at most)",
+                        ValueText(*gate), LimitText(*gate)),
+            std::string(kThisRig)};
+  }
+  if (const Gate* gate = failed.Find("rig_consistency_deg")) {
+    return {"the images contradict the rig file",
+            fmt::format("depths are off: {} (expected: {:.1g} degrees at most)", gate->why,
+                        gate->limit),
+            fmt::format("calibrate the rig anew, or {}", kManyDrives)};
+  }
+  const Gate* gate = failed.Find("intrinsics_consistency_pct");
+  return {"the images contradict the rig file's focal lengths",
+          fmt::format("depths are off: {} (expected: {} % at most)",
+                      gate ? gate->why : "the images ask for other focal lengths",
+                      gate ? LimitText(*gate) : "a few tenths of a"),
+          fmt::format("calibrate the rig anew, or {}", kManyDrives)};
+}
+
+Cause FewRegistered(const Failed& failed) {
+  const Gate& gate = *failed.Find("registered");
+  const std::string share = ValueText(gate, 100.0);
+  return {
+      fmt::format("only {} % of the keyframes are in the map", share),
+      fmt::format("only {} % of the keyframes found a way into the map (expected: at least "
+                  "{} %)",
+                  share, LimitText(gate, 100.0)),
+      "take images that have more in common: more of them on the same way, or a stretch without "
+      "glare, blur and quick turns (--frames)"};
+}
+
+Cause MapIsBent(const Failed& failed) {
+  if (const Gate* gate = failed.Find("baseline_spread")) {
+    return {"the map is bent or torn",
+            fmt::format("the map is bent or torn: its left-right distances, which are all the same "
+                        "on the rig, differ by {} % (expected: at most {} %)",
+                        ValueText(*gate, 100.0), LimitText(*gate, 100.0)),
+            std::string(kSameMoment)};
+  }
+  const Gate& gate = *failed.Find("baseline_rejected");
+  return {"the map is bent or torn",
+          fmt::format("the map is bent or torn: {} % of its left-right distances do not fit the "
+                      "others (expected: at most {} %)",
+                      ValueText(gate, 100.0), LimitText(gate, 100.0)),
+          std::string(kSameMoment)};
+}
+
+Cause MatchesContradict(const Failed& failed) {
+  const Gate* dropped = failed.Find("outlier_share");
+  const Gate* apart = failed.Find("reprojection_px");
+  std::string found = "the matches contradict each other:";
+  if (dropped) {
+    found += fmt::format(" {} % had to be dropped (expected: at most {} %)",
+                         ValueText(*dropped, 100.0), LimitText(*dropped, 100.0));
+  }
+  if (apart) {
+    found += fmt::format(
+        "{} half of the points lie {} px and more beside where they were seen "
+        "(expected: at most {} px)",
+        dropped ? "," : "", ValueText(*apart), LimitText(*apart));
+  }
+  return {"the matches contradict each other", std::move(found), std::string(kSameMoment)};
+}
+
+Cause MotionsDiffer(const Failed& failed) {
+  const Gate* pct = failed.Find("motion_agreement_pct");
+  std::string found =
+      pct ? fmt::format(
+                "map and odometry tell of different motions: a tenth of the steps differ by "
+                "{} % of their length and more (expected: at most {} %)",
+                ValueText(*pct), LimitText(*pct))
+          : "map and odometry tell of different motions for three steps on end (expected: never)";
+  std::string advice(kSameMoment);
+  if (failed.IsInPieces()) {
+    const auto& pieces = failed.findings().pieces;
+    advice = fmt::format("reconstruct each stretch on which they agree by itself: --frames {}{}",
+                         failed.Frames(pieces[0]),
+                         pieces.size() > 1 ? ", --frames " + failed.Frames(pieces[1]) : "");
+  }
+  return {"map and odometry tell of different motions", std::move(found), std::move(advice)};
+}
+
+Cause NotAsGoodAsAsked(const Failed& failed) {
+  const Gate* scale = failed.Find("scale_95_pct");
+  const Gate* position = failed.Find("position_95_pct");
+  const Accuracy& accuracy = failed.findings().accuracy;
+  const std::string asked = fmt::format("{:.2g} %", failed.findings().accuracy_asked_pct);
+  std::vector<std::string> known;
+  if (scale) {
+    known.push_back(scale->value ? fmt::format("the scale is known to {} %", ValueText(*scale))
+                                 : "the scale is not known");
+  }
+  if (position && position->value && accuracy.position_95_m) {
+    known.push_back(fmt::format("the worst position {}to {}, {} % of {}", scale ? "" : "is known ",
+                                LengthText(*accuracy.position_95_m), ValueText(*position),
+                                accuracy.path_m < 1.0 ? "a metre" : "the path"));
+  } else if (position) {
+    known.push_back("positions are not known");
+  }
+  const Origin origin = OriginOf(failed);
+  const std::string brief =
+      scale ? (scale->value ? fmt::format("scale known to {} %, asked {}", ValueText(*scale), asked)
+                            : "scale not known")
+      : position->value ? fmt::format("positions known to {} % of the path, asked {}",
+                                      ValueText(*position), asked)
+                        : "positions not known";
+  return {
+      brief,
+      fmt::format("{} (95 %; asked was {}); {}", fmt::join(known, " and "), asked, origin.about),
+      std::string(origin.advice)};
+}
+
+Cause DenseDiffers(const Failed& failed) {
+  const Gate& gate = *failed.Find("depth_bias_px");
+  return {"dense depth and sparse points differ",
+          fmt::format("dense depth and sparse points differ by {} px of disparity (expected: at "
+                      "most {} px)",
+                      ValueText(gate), LimitText(gate)),
+          "look whether left and right images are equally bright and sharp, and whether the ground "
+          "shows any texture"};
+}
+
+}  // namespace rigmap

@@ -1,0 +1,85 @@
+#include "gates/findings.h"
+
+#include <algorithm>
+#include <functional>
+
+#include "gates/internal/step_differences.h"
+
+namespace rigmap {
+namespace {
+
+constexpr int kLeastPiece = 3;  // frames
+
+bool IsGuessed(const GateInputs& inputs, std::size_t frame) {
+  return inputs.trajectory[frame].source == PoseSource::kPredicted;
+}
+
+// Whether anything measured joins two frames that follow each other but for guessed ones.
+bool IsJoined(const GateInputs& inputs, std::size_t before, std::size_t frame) {
+  const OdometryFrame& step = inputs.odometry[frame];
+  if (step.source == PoseSource::kOdometry && step.reference <= static_cast<int>(before)) {
+    return true;
+  }
+  const Adjustment& adjustment = inputs.adjustment;
+  return adjustment.world_from_left[before] && adjustment.world_from_left[frame] &&
+         !adjustment.datum_frames.empty() &&
+         adjustment.datum_frames[before] == adjustment.datum_frames[frame];
+}
+
+void FindPieces(const GateInputs& inputs, const AdjustmentGateOptions& options,
+                PartFindings& findings) {
+  std::vector<bool> torn(inputs.trajectory.size(), false);
+  for (const StepDifference& step : StepDifferences(inputs)) {
+    if (!(step.Excess(options) <= 1.0)) torn[step.frame] = true;
+  }
+  std::vector<FrameRange>& pieces = findings.pieces;
+  for (std::size_t i = 0; i < inputs.trajectory.size(); ++i) {
+    if (IsGuessed(inputs, i)) continue;
+    const int frame = static_cast<int>(i);
+    const bool is_joined = pieces.empty() || IsJoined(inputs, pieces.back().end - 1, i);
+    if (!is_joined) ++findings.breaks;
+    if (pieces.empty() || torn[i] || !is_joined) pieces.push_back({frame, frame});
+    pieces.back().end = frame + 1;
+  }
+  std::erase_if(pieces, [](const FrameRange& piece) { return piece.Count() < kLeastPiece; });
+  std::ranges::stable_sort(pieces, std::greater(), &FrameRange::Count);
+}
+
+}  // namespace
+
+int PartFindings::GuessedCount() const {
+  int count = 0;
+  for (const FrameRange& range : guessed) count += range.Count();
+  return count;
+}
+
+std::optional<FrameRange> PartFindings::LongestMeasured() const {
+  FrameRange longest;
+  int first = 0;
+  const auto take = [&](int end) {
+    if (end - first > longest.Count()) longest = {first, end};
+  };
+  for (const FrameRange& range : guessed) {
+    take(range.first);
+    first = range.end;
+  }
+  take(frames);
+  return longest.Count() >= kLeastPiece ? std::optional(longest) : std::nullopt;
+}
+
+PartFindings FindingsOf(const GateInputs& inputs, const GateOptions& options) {
+  PartFindings findings{.accuracy = AccuracyOf(inputs.trajectory, inputs.adjustment, inputs.rig),
+                        .accuracy_asked_pct = options.poses.accuracy_pct,
+                        .baseline_m = inputs.rig.Baseline(),
+                        .frames = static_cast<int>(inputs.trajectory.size())};
+  for (int frame = 0; frame < findings.frames; ++frame) {
+    if (!IsGuessed(inputs, frame)) continue;
+    auto& guessed = findings.guessed;
+    if (guessed.empty() || guessed.back().end != frame) guessed.push_back({frame, frame});
+    ++guessed.back().end;
+  }
+  FindPieces(inputs, options.adjustment, findings);
+  return findings;
+}
+
+}  // namespace rigmap

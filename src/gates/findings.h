@@ -1,0 +1,38 @@
+// What is known of a part beside its gates, for telling why it is refused and what of it is usable.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "gates/accuracy.h"
+#include "gates/gates.h"
+
+namespace rigmap {
+
+// Frames FIRST:END of a part, END excluded, as --frames has them.
+struct FrameRange {
+  int first = 0, end = 0;
+
+  int Count() const { return end - first; }
+  bool operator==(const FrameRange&) const = default;
+};
+
+struct PartFindings {
+  Accuracy accuracy;
+  double accuracy_asked_pct = 1.0;
+  double baseline_m = 0.0;  // as the rig file has it
+  int frames = 0;
+  std::vector<FrameRange> guessed;  // whose pose is a prediction, in order
+  int breaks = 0;                   // how often nothing measured joins a frame to those before
+  // Runs of three frames and more in which each is joined to those before by what was measured, and
+  // map and odometry tell of the same step; the longest first.
+  std::vector<FrameRange> pieces;
+
+  int GuessedCount() const;
+  // The longest run of frames that are not, if it has three.
+  std::optional<FrameRange> LongestMeasured() const;
+};
+
+PartFindings FindingsOf(const GateInputs& inputs, const GateOptions& options);
+
+}  // namespace rigmap

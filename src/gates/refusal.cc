@@ -1,0 +1,145 @@
+#include "gates/refusal.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <string_view>
+
+#include "gates/internal/causes.h"
+
+namespace rigmap {
+namespace {
+
+// A cause, the gates that speak of it, and those that then merely follow.
+struct Root {
+  Cause (*tell)(const Failed&);
+  std::vector<std::string_view> gates, follow;
+  bool leaves_pieces = false;  // what was measured holds between the gaps
+  bool leaves_path = false;    // the trajectory holds, as well as its sigmas say
+};
+
+std::vector<std::string_view> Joined(std::initializer_list<std::vector<std::string_view>> lists) {
+  std::vector<std::string_view> all;
+  for (const auto& list : lists) all.insert(all.end(), list.begin(), list.end());
+  return all;
+}
+
+// In the order of the stages, but for the rig, which all of them use.
+const std::vector<Root>& Roots() {
+  using Names = std::vector<std::string_view>;
+  static const Names sigmas{"scale_95_pct", "position_95_pct"};
+  static const Names motion{"motion_agreement_window", "motion_agreement_sigmas",
+                            "motion_agreement_pct"};
+  static const Names residuals{"reprojection_px", "outlier_share"};
+  static const Names shape{"baseline_spread", "baseline_rejected"};
+  static const Names rig{"rig_refinement_px", "rig_consistency_deg", "rig_consistency_sigmas",
+                         "intrinsics_consistency_pct", "intrinsics_consistency_sigmas"};
+  static const Names registered{"registered"}, dark{"predicted"}, depth{"depth_bias_px"};
+  static const std::vector<Root> roots{
+      {RigDoesNotFit,
+       {"epipolar_px"},
+       Joined({dark, rig, registered, shape, residuals, motion, sigmas, depth})},
+      {NothingToFollow, dark, Joined({registered, sigmas}), true},
+      {RigIsContradicted, rig, Joined({registered, shape, residuals, motion, sigmas, depth})},
+      {FewRegistered, registered, Joined({shape, motion, sigmas})},
+      {MapIsBent, shape, Joined({motion, sigmas})},
+      {MatchesContradict, residuals, Joined({motion, sigmas})},
+      {MotionsDiffer, motion, sigmas, true},
+      {NotAsGoodAsAsked, sigmas, {}, false, true},
+      {DenseDiffers, depth, {}, false, true}};
+  return roots;
+}
+
+// How good what was measured is, by its own sigmas.
+std::string AccuracyText(const PartFindings& findings) {
+  const Accuracy& accuracy = findings.accuracy;
+  return fmt::format(
+      "metres to {:.2g} % and positions to {} (95 %), if the baseline is {:.2f} mm{}",
+      *accuracy.scale_95_pct, LengthText(*accuracy.position_95_m), 1000.0 * findings.baseline_m,
+      accuracy.baseline_95_pct ? " to the sigma that the rig file states" : "");
+}
+
+std::string Usable(const Failed& failed, const std::vector<const Root*>& roots) {
+  const PartFindings& findings = failed.findings();
+  const bool path_holds = std::ranges::all_of(roots, &Root::leaves_path);
+  const bool pieces_hold = std::ranges::all_of(
+      roots, [](const Root* root) { return root->leaves_pieces || root->leaves_path; });
+  if (!pieces_hold) return "nothing";
+  if (!path_holds && failed.IsInPieces()) {
+    constexpr std::size_t kMostPieces = 3;
+    std::vector<std::string> ranges;
+    for (const FrameRange& piece : findings.pieces) {
+      if (ranges.size() < kMostPieces) ranges.push_back(failed.Frames(piece));
+    }
+    return fmt::format(
+        "frames {}, each by itself in one piece; how good, a run of it alone will say",
+        fmt::join(ranges, " and "));
+  }
+  const Accuracy& accuracy = findings.accuracy;
+  // Gaps that measurements bridge leave all but themselves.
+  const bool is_joined = path_holds || (!findings.guessed.empty() && !findings.pieces.empty());
+  if (!is_joined || !accuracy.scale_95_pct || !accuracy.position_95_m) return "nothing";
+  return fmt::format("{}{}: {}", path_holds ? "shape and path" : "all poses but the guessed ones",
+                     failed.Find("depth_bias_px") ? ", not the dense map" : "",
+                     AccuracyText(findings));
+}
+
+// Gates that no cause speaks of.
+Cause Other(const Gate& gate) {
+  return {gate.name,
+          fmt::format("{}: {} (limit {})", gate.why, gate.value ? ValueText(gate) : "not a number",
+                      LimitText(gate)),
+          "see what docs/gates.md says of it",
+          {gate.name}};
+}
+
+}  // namespace
+
+Refusal RefusalOf(const Gates& gates, const PartFindings& findings, int first_frame) {
+  const Failed failed(gates, findings, first_frame);
+  Refusal refusal;
+  std::vector<const Root*> told;
+  std::vector<std::string_view> explained;
+  const auto is_explained = [&](const Gate& gate) {
+    return std::ranges::find(explained, gate.name) != explained.end();
+  };
+  for (const Root& root : Roots()) {
+    std::vector<std::string> speaking;
+    for (const Gate& gate : failed.gates()) {
+      const bool is_own = std::ranges::find(root.gates, gate.name) != root.gates.end();
+      if (is_own && !is_explained(gate)) speaking.push_back(gate.name);
+    }
+    if (speaking.empty()) continue;
+    Cause cause = root.tell(failed);
+    cause.gates = std::move(speaking);
+    refusal.causes.push_back(std::move(cause));
+    told.push_back(&root);
+    explained.insert(explained.end(), root.gates.begin(), root.gates.end());
+    explained.insert(explained.end(), root.follow.begin(), root.follow.end());
+  }
+  for (const Gate& gate : failed.gates()) {
+    if (!is_explained(gate)) refusal.causes.push_back(Other(gate));
+  }
+  const bool all_told = told.size() == refusal.causes.size();
+  if (!refusal.causes.empty()) refusal.usable = all_told ? Usable(failed, told) : "nothing";
+  return refusal;
+}
+
+std::string SentenceOf(const Cause& cause) {
+  return fmt::format("{} (gate {})", cause.found, fmt::join(cause.gates, ", gate "));
+}
+
+std::string WarningOf(const Refusal& refusal) {
+  if (refusal.causes.empty()) return "";
+  const std::size_t more = refusal.causes.size() - 1;
+  return fmt::format("not trusted: {}{}", refusal.causes.front().brief,
+                     more > 0 ? fmt::format("; {} more", more) : "");
+}
+
+std::string LengthText(double metres) {
+  return metres < 0.01  ? fmt::format("{:.1f} mm", 1000.0 * metres)
+         : metres < 1.0 ? fmt::format("{:.1f} cm", 100.0 * metres)
+                        : fmt::format("{:.2f} m", metres);
+}
+
+}  // namespace rigmap
