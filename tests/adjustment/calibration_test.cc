@@ -179,6 +179,9 @@ TEST_F(CalibrationTest, WhatIsNotCorrectedCountsAsWell) {
   EXPECT_GT(variance_m2(doubted), 1.2 * variance_m2(sure));
   ASSERT_TRUE(doubted.scale_sigma && sure.scale_sigma);
   EXPECT_GT(*doubted.scale_sigma, *sure.scale_sigma);
+  // What is left of it where the calibration is known.
+  EXPECT_NEAR(*doubted.scale_sigma_of_noise, *sure.scale_sigma, 1e-3 * *sure.scale_sigma);
+  EXPECT_NEAR(*sure.scale_sigma_of_noise, *sure.scale_sigma, 1e-3 * *sure.scale_sigma);
   EXPECT_GT(doubted.infinity_offset_sigma_px, 10.0 * sure.infinity_offset_sigma_px);
 }
 

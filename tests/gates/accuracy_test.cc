@@ -78,6 +78,10 @@ TEST(AccuracyOf, CountsTheStatedSigmaOfTheBaseline) {
   rig.baseline_sigma_m = 0.01 * rig.Baseline();
   const Accuracy accuracy = AccuracyOf(trajectory, adjustment, rig);
   EXPECT_NEAR(accuracy.scale_95_pct.value(), 1.96, 1e-9);
+  EXPECT_NEAR(accuracy.baseline_95_pct.value(), 1.96, 1e-9);
+  EXPECT_FALSE(accuracy.noise_95_pct);
+  adjustment.scale_sigma_of_noise = 0.001;
+  EXPECT_NEAR(AccuracyOf(trajectory, adjustment, rig).noise_95_pct.value(), 0.196, 1e-9);
   EXPECT_NEAR(accuracy.position_95_m.value(), 1.96 * 0.05, 0.002);  // 5 m from the start
 }
 
