@@ -72,6 +72,9 @@ PartFindings FindingsOf(const GateInputs& inputs, const GateOptions& options) {
                         .accuracy_asked_pct = options.poses.accuracy_pct,
                         .baseline_m = inputs.rig.Baseline(),
                         .frames = static_cast<int>(inputs.trajectory.size())};
+  if (inputs.adjustment.IsRigCorrected()) {
+    findings.rig_correction_px = inputs.adjustment.correction_px;
+  }
   for (int frame = 0; frame < findings.frames; ++frame) {
     if (!IsGuessed(inputs, frame)) continue;
     auto& guessed = findings.guessed;

@@ -21,6 +21,8 @@ struct PartFindings {
   Accuracy accuracy;
   double accuracy_asked_pct = 1.0;
   double baseline_m = 0.0;  // as the rig file has it
+  // By how much the images corrected the rig file, in the right image; nothing if they did not.
+  std::optional<double> rig_correction_px;
   int frames = 0;
   std::vector<FrameRange> guessed;  // whose pose is a prediction, in order
   int breaks = 0;                   // how often nothing measured joins a frame to those before

@@ -53,10 +53,15 @@ const std::vector<Root>& Roots() {
 // How good what was measured is, by its own sigmas.
 std::string AccuracyText(const PartFindings& findings) {
   const Accuracy& accuracy = findings.accuracy;
+  const std::string correction =
+      findings.rig_correction_px
+          ? fmt::format("; the rig file was off by {:.2g} px and has been corrected",
+                        *findings.rig_correction_px)
+          : "";
   return fmt::format(
-      "metres to {:.2g} % and positions to {} (95 %), if the baseline is {:.2f} mm{}",
+      "metres to {:.2g} % and positions to {} (95 %), if the baseline is {:.2f} mm{}{}",
       *accuracy.scale_95_pct, LengthText(*accuracy.position_95_m), 1000.0 * findings.baseline_m,
-      accuracy.baseline_95_pct ? " to the sigma that the rig file states" : "");
+      accuracy.baseline_95_pct ? " to the sigma that the rig file states" : "", correction);
 }
 
 std::string Usable(const Failed& failed, const std::vector<const Root*>& roots) {

@@ -134,6 +134,10 @@ TEST(RefusalOf, OfFiguresThatHoldSaysHowGoodTheyAre) {
   EXPECT_EQ(refusal.usable,
             "shape and path: metres to 1.2 % and positions to 80.0 cm (95 %), if the baseline is "
             "537.17 mm");
+  PartFindings corrected = Findings();
+  corrected.rig_correction_px = 4.9;
+  EXPECT_THAT(RefusalOf(gates, corrected).usable,
+              testing::EndsWith("; the rig file was off by 4.9 px and has been corrected"));
   EXPECT_EQ(WarningOf(refusal), "not trusted: scale known to 1.2 %, asked 1 %");
 }
 

@@ -82,6 +82,7 @@ Report ReportPart(const GateInputs& inputs, const GateOptions& options) {
                          {"scale_95_pct_of_noise", ToJson(accuracy.noise_95_pct)},
                          {"scale_95_pct_of_baseline", ToJson(accuracy.baseline_95_pct)},
                          {"baseline_m", findings.baseline_m},
+                         {"rig_correction_px", ToJson(findings.rig_correction_px)},
                          {"frames", findings.frames},
                          {"guessed", ToJson(findings.guessed)},
                          {"breaks", findings.breaks},
@@ -167,6 +168,7 @@ JudgedPart ReadJudged(const Report& merged) {
   accuracy.noise_95_pct = FromJson(known.at("scale_95_pct_of_noise"));
   accuracy.baseline_95_pct = FromJson(known.at("scale_95_pct_of_baseline"));
   findings.baseline_m = known.at("baseline_m");
+  findings.rig_correction_px = FromJson(known.at("rig_correction_px"));
   findings.frames = known.at("frames");
   findings.guessed = RangesIn(known.at("guessed"));
   findings.breaks = known.at("breaks");
