@@ -143,7 +143,7 @@ void SayWhyNot(const Refusal& refusal, const std::string& out) {
   std::vector<std::string> gates, advice;
   for (const Cause& cause : refusal.causes) {
     fmt::print(stderr, "rigmap: {}: {}\n", gates.empty() ? "NOT TRUSTED" : "and", cause.found);
-    for (const std::string& gate : cause.gates) gates.push_back("gate " + gate);
+    for (const Gate& gate : cause.gates) gates.push_back(FigureText(gate));
     if (std::ranges::find(advice, cause.advice) == advice.end()) advice.push_back(cause.advice);
   }
   fmt::print(stderr, "rigmap: usable all the same: {}\n", refusal.usable);
@@ -151,7 +151,7 @@ void SayWhyNot(const Refusal& refusal, const std::string& out) {
     fmt::print(stderr, "rigmap: to try next: {}\n", sentence);
   }
   fmt::print(stderr, "rigmap: what lies in {} is not to be trusted: {}\n", out,
-             fmt::join(gates, ", "));
+             fmt::join(gates, "; "));
 }
 
 int RunPart(const PartArguments& arguments, std::string command) {

@@ -105,10 +105,12 @@ std::string ReasonOf(const Refusal& refusal) {
 Report Describe(const std::vector<Cause>& causes) {
   Report list = Report::array();
   for (const Cause& cause : causes) {
+    Report gates = Report::array();
+    for (const Gate& gate : cause.gates) gates.push_back(gate.name);
     list.push_back({{"brief", cause.brief},
                     {"found", cause.found},
                     {"advice", cause.advice},
-                    {"gates", cause.gates}});
+                    {"gates", std::move(gates)}});
   }
   return list;
 }

@@ -200,6 +200,12 @@ Gate JudgeDepthBias(std::optional<double> bias_px, const DepthGateOptions& optio
                 "median disparity of dense matching minus that of sparse points");
 }
 
+std::string FigureText(const Gate& gate) {
+  // A value that is not finite cannot stand in JSON: read back it is missing.
+  const std::string value = gate.value ? fmt::format("{:.4g}", *gate.value) : "not a number";
+  return fmt::format("gate {} is {}, limit {:.4g}", gate.name, value, gate.limit);
+}
+
 std::string FailureReason(const Gates& gates) {
   std::vector<std::string> failed;
   const std::string* said = nullptr;
@@ -207,10 +213,7 @@ std::string FailureReason(const Gates& gates) {
     // Of two gates on one thing the first speaks for both.
     if (gate.passed || (said && gate.why == *said)) continue;
     said = &gate.why;
-    // A value that is not finite cannot stand in JSON: read back it is missing.
-    const std::string value = gate.value ? fmt::format("{:.4g}", *gate.value) : "not a number";
-    failed.push_back(
-        fmt::format("gate {} is {}, limit {:.4g}: {}", gate.name, value, gate.limit, gate.why));
+    failed.push_back(fmt::format("{}: {}", FigureText(gate), gate.why));
   }
   return fmt::format("{}", fmt::join(failed, "; "));
 }

@@ -64,7 +64,9 @@ Gate JudgeDepthConsistency(const std::optional<DepthConsistency>& consistency,
 Gates JudgePart(const GateInputs& inputs, const GateOptions& options);
 Gate JudgeDepthBias(std::optional<double> bias_px, const DepthGateOptions& options);
 
-// "gate NAME: WHY" of all that failed, joined by "; ". Empty if none did.
+// "gate NAME is VALUE, limit LIMIT"
+std::string FigureText(const Gate& gate);
+// "gate NAME is VALUE, limit LIMIT: WHY" of all that failed, joined by "; ". Empty if none did.
 std::string FailureReason(const Gates& gates);
 
 }  // namespace rigmap

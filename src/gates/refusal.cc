@@ -95,7 +95,7 @@ Cause Other(const Gate& gate) {
           fmt::format("{}: {} (limit {})", gate.why, gate.value ? ValueText(gate) : "not a number",
                       LimitText(gate)),
           "see what docs/gates.md says of it",
-          {gate.name}};
+          {gate}};
 }
 
 }  // namespace
@@ -109,10 +109,10 @@ Refusal RefusalOf(const Gates& gates, const PartFindings& findings, int first_fr
     return std::ranges::find(explained, gate.name) != explained.end();
   };
   for (const Root& root : Roots()) {
-    std::vector<std::string> speaking;
+    Gates speaking;
     for (const Gate& gate : failed.gates()) {
       const bool is_own = std::ranges::find(root.gates, gate.name) != root.gates.end();
-      if (is_own && !is_explained(gate)) speaking.push_back(gate.name);
+      if (is_own && !is_explained(gate)) speaking.push_back(gate);
     }
     if (speaking.empty()) continue;
     Cause cause = root.tell(failed);
@@ -131,7 +131,9 @@ Refusal RefusalOf(const Gates& gates, const PartFindings& findings, int first_fr
 }
 
 std::string SentenceOf(const Cause& cause) {
-  return fmt::format("{} (gate {})", cause.found, fmt::join(cause.gates, ", gate "));
+  std::vector<std::string> names;
+  for (const Gate& gate : cause.gates) names.push_back("gate " + gate.name);
+  return fmt::format("{} ({})", cause.found, fmt::join(names, ", "));
 }
 
 std::string WarningOf(const Refusal& refusal) {

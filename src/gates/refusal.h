@@ -10,10 +10,10 @@ namespace rigmap {
 
 // One thing that is wrong, whichever gates it made fail.
 struct Cause {
-  std::string brief;               // for a band over a picture: 70 characters at most
-  std::string found;               // what was found, and in brackets what was expected
-  std::string advice;              // what helps against it
-  std::vector<std::string> gates;  // that speak of it
+  std::string brief;   // for a band over a picture: 70 characters at most
+  std::string found;   // what was found, and in brackets what was expected
+  std::string advice;  // what helps against it
+  Gates gates;         // that speak of it
 };
 
 struct Refusal {

@@ -91,7 +91,9 @@ std::optional<int> SampleBitsNeeded(const std::string& path, const Camera& camer
   const auto header = ReadImageHeader(path);
   if (!header || !header->is_whole || header->sample_bits <= 8) return std::nullopt;
   if (header->width != camera.width || header->height != camera.height) return std::nullopt;
-  const cv::Mat image = TryDecode(path, cv::IMREAD_UNCHANGED);
+  // Without an alpha channel.
+  const cv::Mat image =
+      TryDecode(path, cv::IMREAD_ANYDEPTH | cv::IMREAD_ANYCOLOR | cv::IMREAD_IGNORE_ORIENTATION);
   if (image.empty() || image.depth() != CV_16U) return std::nullopt;
   double largest = 0.0;
   cv::minMaxIdx(image.reshape(1), nullptr, &largest);

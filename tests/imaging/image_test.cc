@@ -115,6 +115,8 @@ TEST(SampleBitsNeeded, TellsOfSixteenBitFilesWhetherTwelveWouldDo) {
   };
   cv::Mat image = RandomImage(CV_16UC1, 4096.0);
   for (const char* name : {"a.png", "a.pgm", "a.tif"}) EXPECT_EQ(of(name, image), 12) << name;
+  const cv::Mat see_through(20, 30, CV_16UC4, cv::Scalar(100, 200, 4095, 65535));
+  EXPECT_EQ(of("alpha.png", see_through), 12) << "alpha is no brightness";
   EXPECT_EQ(of("other.png", image, 31), std::nullopt) << "not of the camera's size";
   image.at<ushort>(3, 4) = 4096;
   for (const char* name : {"b.png", "b.pgm", "b.tif"}) EXPECT_EQ(of(name, image), 16) << name;
