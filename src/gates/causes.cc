@@ -124,18 +124,25 @@ Cause RigIsContradicted(const Failed& failed) {
                         ValueText(*gate), LimitText(*gate)),
             std::string(kThisRig)};
   }
+  const std::string advice = fmt::format("calibrate the rig anew, or {}", kManyDrives);
   if (const Gate* gate = failed.Find("rig_consistency_deg")) {
     return {"the images contradict the rig file",
-            fmt::format("depths are off: {} (expected: {:.1g} degrees at most)", gate->why,
-                        gate->limit),
-            fmt::format("calibrate the rig anew, or {}", kManyDrives)};
+            fmt::format("depths are off: the images would turn the right camera by {} degrees "
+                        "(expected: at most {})",
+                        ValueText(*gate), LimitText(*gate)),
+            advice};
   }
-  const Gate* gate = failed.Find("intrinsics_consistency_pct");
-  return {"the images contradict the rig file's focal lengths",
-          fmt::format("depths are off: {} (expected: {} % at most)",
-                      gate ? gate->why : "the images ask for other focal lengths",
-                      gate ? LimitText(*gate) : "a few tenths of a"),
-          fmt::format("calibrate the rig anew, or {}", kManyDrives)};
+  if (const Gate* gate = failed.Find("intrinsics_consistency_pct")) {
+    return {"the images contradict the rig file's focal lengths",
+            fmt::format("depths are off: the images would change the focal lengths by {} % "
+                        "(expected: at most {} %)",
+                        ValueText(*gate), LimitText(*gate)),
+            advice};
+  }
+  return {"the images contradict the rig file",
+          "depths are off: the images contradict the rig file by far more than its sigmas "
+          "(expected: a few)",
+          advice};
 }
 
 Cause FewRegistered(const Failed& failed) {
