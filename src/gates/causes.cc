@@ -66,7 +66,7 @@ const Gate* Failed::Find(std::string_view name) const {
   return found == gates_.end() ? nullptr : &*found;
 }
 
-std::string Failed::Frames(const FrameRange& range) const {
+std::string Failed::Frames(const FrameRun& range) const {
   return fmt::format("{}:{}", first_frame_ + range.first, first_frame_ + range.end);
 }
 
@@ -97,7 +97,7 @@ Cause NothingToFollow(const Failed& failed) {
   const PartFindings& findings = failed.findings();
   constexpr std::size_t kMostRanges = 4;
   std::vector<std::string> ranges;
-  for (const FrameRange& range : findings.guessed) ranges.push_back(failed.Frames(range));
+  for (const FrameRun& range : findings.guessed) ranges.push_back(failed.Frames(range));
   if (ranges.size() > kMostRanges) {
     ranges.resize(kMostRanges);
     ranges.emplace_back("...");

@@ -32,7 +32,7 @@ void FindPieces(const GateInputs& inputs, const AdjustmentGateOptions& options,
   for (const StepDifference& step : StepDifferences(inputs)) {
     if (!(step.Excess(options) <= 1.0)) torn[step.frame] = true;
   }
-  std::vector<FrameRange>& pieces = findings.pieces;
+  std::vector<FrameRun>& pieces = findings.pieces;
   for (std::size_t i = 0; i < inputs.trajectory.size(); ++i) {
     if (IsGuessed(inputs, i)) continue;
     const int frame = static_cast<int>(i);
@@ -41,25 +41,25 @@ void FindPieces(const GateInputs& inputs, const AdjustmentGateOptions& options,
     if (pieces.empty() || torn[i] || !is_joined) pieces.push_back({frame, frame});
     pieces.back().end = frame + 1;
   }
-  std::erase_if(pieces, [](const FrameRange& piece) { return piece.Count() < kLeastPiece; });
-  std::ranges::stable_sort(pieces, std::greater(), &FrameRange::Count);
+  std::erase_if(pieces, [](const FrameRun& piece) { return piece.Count() < kLeastPiece; });
+  std::ranges::stable_sort(pieces, std::greater(), &FrameRun::Count);
 }
 
 }  // namespace
 
 int PartFindings::GuessedCount() const {
   int count = 0;
-  for (const FrameRange& range : guessed) count += range.Count();
+  for (const FrameRun& range : guessed) count += range.Count();
   return count;
 }
 
-std::optional<FrameRange> PartFindings::LongestMeasured() const {
-  FrameRange longest;
+std::optional<FrameRun> PartFindings::LongestMeasured() const {
+  FrameRun longest;
   int first = 0;
   const auto take = [&](int end) {
     if (end - first > longest.Count()) longest = {first, end};
   };
-  for (const FrameRange& range : guessed) {
+  for (const FrameRun& range : guessed) {
     take(range.first);
     first = range.end;
   }

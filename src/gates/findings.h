@@ -10,11 +10,11 @@
 namespace rigmap {
 
 // Frames FIRST:END of a part, END excluded, as --frames has them.
-struct FrameRange {
+struct FrameRun {
   int first = 0, end = 0;
 
   int Count() const { return end - first; }
-  bool operator==(const FrameRange&) const = default;
+  bool operator==(const FrameRun&) const = default;
 };
 
 struct PartFindings {
@@ -24,15 +24,15 @@ struct PartFindings {
   // By how much the images corrected the rig file, in the right image; nothing if they did not.
   std::optional<double> rig_correction_px;
   int frames = 0;
-  std::vector<FrameRange> guessed;  // whose pose is a prediction, in order
-  int breaks = 0;                   // how often nothing measured joins a frame to those before
+  std::vector<FrameRun> guessed;  // whose pose is a prediction, in order
+  int breaks = 0;                 // how often nothing measured joins a frame to those before
   // Runs of three frames and more in which each is joined to those before by what was measured, and
   // map and odometry tell of the same step; the longest first.
-  std::vector<FrameRange> pieces;
+  std::vector<FrameRun> pieces;
 
   int GuessedCount() const;
   // The longest run of frames that are not, if it has three.
-  std::optional<FrameRange> LongestMeasured() const;
+  std::optional<FrameRun> LongestMeasured() const;
 };
 
 PartFindings FindingsOf(const GateInputs& inputs, const GateOptions& options);

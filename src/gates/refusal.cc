@@ -73,7 +73,7 @@ std::string Usable(const Failed& failed, const std::vector<const Root*>& roots) 
   if (!path_holds && failed.IsInPieces()) {
     constexpr std::size_t kMostPieces = 3;
     std::vector<std::string> ranges;
-    for (const FrameRange& piece : findings.pieces) {
+    for (const FrameRun& piece : findings.pieces) {
       if (ranges.size() < kMostPieces) ranges.push_back(failed.Frames(piece));
     }
     return fmt::format(

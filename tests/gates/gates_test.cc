@@ -416,23 +416,23 @@ TEST_F(GatesTest, PiecesAreWhatMeasurementsJoin) {
                       options_);
   };
   adjustment_.datum_frames.assign(12, 0);
-  EXPECT_THAT(findings().pieces, testing::ElementsAre(FrameRange{0, 12}));
+  EXPECT_THAT(findings().pieces, testing::ElementsAre(FrameRun{0, 12}));
   EXPECT_THAT(findings().guessed, testing::IsEmpty());
   // A frame that shows nothing, but its neighbours were matched with each other.
   odometry_[4].source = trajectory_[4].source = PoseSource::kPredicted;
   odometry_[5].reference = 4;
-  EXPECT_THAT(findings().pieces, testing::ElementsAre(FrameRange{0, 12}));
-  EXPECT_THAT(findings().guessed, testing::ElementsAre(FrameRange{4, 5}));
-  EXPECT_EQ(findings().LongestMeasured(), (FrameRange{5, 12}));
+  EXPECT_THAT(findings().pieces, testing::ElementsAre(FrameRun{0, 12}));
+  EXPECT_THAT(findings().guessed, testing::ElementsAre(FrameRun{4, 5}));
+  EXPECT_EQ(findings().LongestMeasured(), (FrameRun{5, 12}));
   EXPECT_EQ(findings().breaks, 0);
   // They were not: the odometry began anew, and nothing shows the same points.
   odometry_[5].source = PoseSource::kPredicted;
   std::fill(adjustment_.datum_frames.begin() + 5, adjustment_.datum_frames.end(), 5);
-  EXPECT_THAT(findings().pieces, testing::ElementsAre(FrameRange{5, 12}, FrameRange{0, 4}));
+  EXPECT_THAT(findings().pieces, testing::ElementsAre(FrameRun{5, 12}, FrameRun{0, 4}));
   EXPECT_EQ(findings().breaks, 1);
   // The map is torn at frame 10; two frames are no piece.
   Shift(10, {Eigen::Quaterniond::Identity(), {0.05, 0.0, 0.0}});
-  EXPECT_THAT(findings().pieces, testing::ElementsAre(FrameRange{5, 10}, FrameRange{0, 4}));
+  EXPECT_THAT(findings().pieces, testing::ElementsAre(FrameRun{5, 10}, FrameRun{0, 4}));
   EXPECT_EQ(findings().breaks, 1);
 }
 

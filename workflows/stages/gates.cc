@@ -42,14 +42,14 @@ Report ToJson(const std::optional<double>& value) {
   return value ? Report(*value) : Report(nullptr);
 }
 
-Report ToJson(const std::vector<FrameRange>& ranges) {
+Report ToJson(const std::vector<FrameRun>& ranges) {
   Report list = Report::array();
-  for (const FrameRange& range : ranges) list.push_back({range.first, range.end});
+  for (const FrameRun& range : ranges) list.push_back({range.first, range.end});
   return list;
 }
 
-std::vector<FrameRange> RangesIn(const Report& list) {
-  std::vector<FrameRange> ranges;
+std::vector<FrameRun> RangesIn(const Report& list) {
+  std::vector<FrameRun> ranges;
   for (const Report& range : list) ranges.push_back({range.at(0), range.at(1)});
   return ranges;
 }

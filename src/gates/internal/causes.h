@@ -17,7 +17,7 @@ class Failed {
   const PartFindings& findings() const { return findings_; }
   const Gate* Find(std::string_view name) const;
   // "3:9", as the whole data set numbers its frames.
-  std::string Frames(const FrameRange& range) const;
+  std::string Frames(const FrameRun& range) const;
   // Some but not all frames hold together.
   bool IsInPieces() const;
 
