@@ -82,15 +82,15 @@ bool IsAboutAccuracy(const Gate& gate) {
 }
 
 // The verdict as a surveyor would sign it: do the figures hold, and how good are they?
-std::string VerdictText(const Gates& gates, const Refusal& refusal, const Report& verdict) {
+std::string VerdictText(const Refusal& refusal, const Report& verdict) {
   if (verdict["text"].is_null()) return "";
   const std::string how_good = verdict["text"];
   if (refusal.causes.empty()) return how_good;
-  const bool is_consistent = std::ranges::all_of(
-      gates, [](const Gate& gate) { return gate.passed || IsAboutAccuracy(gate); });
-  if (!is_consistent) {
-    return fmt::format("inconsistent: {}; were it right: {}", refusal.causes.front().brief,
-                       how_good);
+  const auto contradiction = std::ranges::find_if(refusal.causes, [](const Cause& cause) {
+    return !std::ranges::all_of(cause.gates, IsAboutAccuracy);
+  });
+  if (contradiction != refusal.causes.end()) {
+    return fmt::format("inconsistent: {}; were it right: {}", contradiction->brief, how_good);
   }
   return fmt::format("consistent, but not as good as the {:.2g} % of the path asked for: {}",
                      verdict["accuracy_asked_pct"].get<double>(), how_good);
@@ -132,7 +132,7 @@ PartResult Judge(const Ledger& ledger, int first_frame) {
   const JudgedPart judged = ReadJudged(merged);
   if (judged.gates.empty()) return {PartStatus::kPartial, "no gate checked yet", "", {}};
   Refusal refusal = RefusalOf(judged.gates, judged.findings, first_frame);
-  std::string text = VerdictText(judged.gates, refusal, merged["verdict"]);
+  std::string text = VerdictText(refusal, merged["verdict"]);
   if (refusal.causes.empty()) return {PartStatus::kOk, "", std::move(text), {}};
   std::string reason = ReasonOf(refusal);
   return {PartStatus::kUntrusted, std::move(reason), std::move(text), std::move(refusal)};

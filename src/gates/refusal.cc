@@ -91,7 +91,7 @@ std::string Usable(const Failed& failed, const std::vector<const Root*>& roots) 
 
 // Gates that no cause speaks of.
 Cause Other(const Gate& gate) {
-  return {gate.name,
+  return {gate.why,
           fmt::format("{}: {} (limit {})", gate.why, gate.value ? ValueText(gate) : "not a number",
                       LimitText(gate)),
           "see what docs/gates.md says of it",
