@@ -59,10 +59,28 @@ void TakeOffBrightness(Template& window) {
   for (int i = 0; i < window.count; ++i) window.gradient[i] -= mean + window.grey[i] * along;
 }
 
+// Gaussian, row by row.
+const std::array<double, kMaxSamples>& WindowWeights(int radius) {
+  static const auto kOfRadius = [] {
+    std::array<std::array<double, kMaxSamples>, kMaxRadius> weights{};
+    for (int r = 1; r < kMaxRadius; ++r) {
+      const double spread = 0.7 * r;
+      int i = 0;
+      for (int y = -r; y <= r; ++y) {
+        for (int x = -r; x <= r; ++x) {
+          weights[r][i++] = std::exp(-0.5 * (x * x + y * y) / (spread * spread));
+        }
+      }
+    }
+    return weights;
+  }();
+  return kOfRadius[radius];
+}
+
 bool MakeTemplate(const GreyView& source, const Eigen::Vector2i& centre, int radius,
                   Template& window) {
   if (radius > kMaxRadius - 1 || !Inside(source, centre, radius + 1)) return false;
-  const double spread = 0.7 * radius;
+  const std::array<double, kMaxSamples>& weights = WindowWeights(radius);
   const std::uint8_t* middle = source.data + centre.y() * source.stride + centre.x();
   std::array<Eigen::Vector2d, kMaxSamples> slope;
   for (int y = -radius; y <= radius; ++y) {
@@ -71,7 +89,7 @@ bool MakeTemplate(const GreyView& source, const Eigen::Vector2i& centre, int rad
       const int i = window.count++;
       window.offset[i] = {x, y};
       window.grey[i] = *pixel;
-      window.weight[i] = std::exp(-0.5 * (x * x + y * y) / (spread * spread));
+      window.weight[i] = weights[i];
       window.weight_sum += window.weight[i];
       slope[i] = {0.5 * (pixel[1] - pixel[-1]),
                   0.5 * (pixel[source.stride] - pixel[-source.stride])};
@@ -104,6 +122,14 @@ double Cubic(const GreyView& image, const Eigen::Vector2d& x) {
   const std::array<double, 4> across = CubicWeights(x.x() - column);
   const std::array<double, 4> down = CubicWeights(x.y() - row);
   double sum = 0.0;
+  if (column > 0 && row > 0 && column + 2 < image.width && row + 2 < image.height) {
+    const std::uint8_t* pixels = image.data + (row - 1) * image.stride + column - 1;
+    for (int i = 0; i < 4; ++i, pixels += image.stride) {
+      sum += down[i] * (across[0] * pixels[0] + across[1] * pixels[1] + across[2] * pixels[2] +
+                        across[3] * pixels[3]);
+    }
+    return sum;
+  }
   for (int i = 0; i < 4; ++i) {
     // Beyond the border the nearest pixel is repeated.
     const std::uint8_t* pixels =

@@ -32,6 +32,7 @@ class PoseProblem {
               const StereoPoseOptions& options)
       : sightings_(sightings),
         rig_(rig),
+        right_turn_(rig.right_from_left.rotation.toRotationMatrix()),
         options_(options),
         noise_(options.noise_px / rig.left.camera.MeanFocal()),
         reference_noise_(options.reference_noise_px / rig.left.camera.MeanFocal()) {}
@@ -80,20 +81,23 @@ class PoseProblem {
     return information;
   }
 
-  // Squared distance in sigmas per seen eye; infinite behind a camera.
+  // Squared distance in sigmas per seen eye; infinite behind a camera. As Linearise and Information
+  // would have it, without their matrices: samples by the hundred ask for nothing else.
   double SquaredSigmas(const PointSighting& sighting, const Rigid3& motion) const {
-    const auto at = Linearise(sighting, motion);
-    if (!at) return std::numeric_limits<double>::infinity();
-    return at->residual.dot(Information(*at) * at->residual) / (sighting.right ? 2.0 : 1.0);
+    const Eigen::Matrix3d turn = motion.rotation.toRotationMatrix();
+    return SquaredSigmas(sighting, turn, motion.translation);
   }
 
   double MaxSquared() const { return options_.max_sigmas * options_.max_sigmas; }
 
-  // Sum of truncated squares: less is better (MSAC, Torr and Zisserman 2000).
-  double Cost(const Rigid3& motion) const {
+  // Sum of truncated squares: less is better (MSAC, Torr and Zisserman 2000). Not summed further
+  // than `enough`.
+  double Cost(const Rigid3& motion, double enough) const {
+    const Eigen::Matrix3d turn = motion.rotation.toRotationMatrix();
     double cost = 0.0;
     for (const auto& sighting : sightings_) {
-      cost += std::min(SquaredSigmas(sighting, motion), MaxSquared());
+      cost += std::min(SquaredSigmas(sighting, turn, motion.translation), MaxSquared());
+      if (cost >= enough) break;
     }
     return cost;
   }
@@ -136,8 +140,7 @@ class PoseProblem {
   StereoPose Judge(const Rigid3& motion, const Matrix6d& normal) const {
     StereoPose result{.current_from_reference = motion, .covariance = normal.inverse()};
     for (const auto& sighting : sightings_) {
-      const bool inlier =
-          Linearise(sighting, motion) && SquaredSigmas(sighting, motion) <= MaxSquared();
+      const bool inlier = SquaredSigmas(sighting, motion) <= MaxSquared();
       result.inliers.push_back(inlier);
       result.inlier_count += inlier ? 1 : 0;
     }
@@ -145,8 +148,35 @@ class PoseProblem {
   }
 
  private:
+  double SquaredSigmas(const PointSighting& sighting, const Eigen::Matrix3d& turn,
+                       const Eigen::Vector3d& translation) const {
+    const Eigen::Vector3d turned = turn * sighting.x_in_reference;
+    const Eigen::Vector3d in_left = turned + translation;
+    const Eigen::Vector3d in_right = right_turn_ * in_left + rig_.right_from_left.translation;
+    if (!(in_left.z() > 0.0) || !(in_right.z() > 0.0)) {
+      return std::numeric_limits<double>::infinity();
+    }
+    const Eigen::Vector3d depth_step =
+        turned * (sighting.depth_sigma_m / sighting.x_in_reference.norm());
+    double square = 0.0, along = 0.0, response = 0.0;
+    const auto add = [&](const Eigen::Vector3d& x, const Eigen::Vector3d& step,
+                         const Eigen::Vector2d& seen) {
+      const Eigen::Vector2d at = x.head<2>() / x.z();
+      const Eigen::Vector2d residual = at - seen, d = (step.head<2>() - at * step.z()) / x.z();
+      square += residual.squaredNorm();
+      along += residual.dot(d);
+      response += d.squaredNorm();
+    };
+    add(in_left, depth_step, sighting.left);
+    if (sighting.right) add(in_right, right_turn_ * depth_step, *sighting.right);
+    const double variance = noise_ * noise_;
+    return (square - along * along / (variance + response)) / variance /
+           (sighting.right ? 2.0 : 1.0);
+  }
+
   std::span<const PointSighting> sightings_;
   const StereoRig& rig_;
+  Eigen::Matrix3d right_turn_;
   const StereoPoseOptions& options_;
   double noise_, reference_noise_;
 };
@@ -192,7 +222,7 @@ std::optional<StereoPose> EstimateStereoPose(std::span<const PointSighting> sigh
   double best_cost = std::numeric_limits<double>::infinity();
   const auto offer = [&](Rigid3 motion, bool refine) {
     if (refine && !problem.Refine(motion)) return;
-    const double cost = problem.Cost(motion);
+    const double cost = problem.Cost(motion, best_cost);
     if (cost < best_cost) {
       best_cost = cost;
       best = motion;

@@ -1,7 +1,9 @@
 #include "features/internal/epipolar_search.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
@@ -11,6 +13,7 @@ namespace {
 constexpr int kRadius = 4;  // 9 x 9 pixels of the reduced image
 constexpr int kSize = 2 * kRadius + 1;
 constexpr int kArea = kSize * kSize;
+constexpr int kPaddedSize = 16;
 
 bool Inside(const cv::Mat& image, const cv::Point& at) {
   return at.x >= kRadius && at.y >= kRadius && at.x < image.cols - kRadius &&
@@ -24,7 +27,22 @@ double WindowSum(const cv::Mat& integral, const cv::Point& at) {
   return static_cast<double>(bottom[kSize] - bottom[0] - top[kSize] + top[0]);
 }
 
+// The same image, with kPaddedSize readable bytes from every pixel on.
+cv::Mat WithRoomBehind(const cv::Mat& image) {
+  cv::Mat roomy(image.rows + 1, image.cols + kPaddedSize, CV_8UC1, cv::Scalar(0));
+  cv::Mat inside = roomy(cv::Rect(0, 0, image.cols, image.rows));
+  image.copyTo(inside);
+  return inside;
+}
+
 }  // namespace
+
+// Rows of the window filled up with zeros, so that compilers multiply eight pixels at a time.
+struct EpipolarSearch::SourceWindow {
+  std::array<std::int16_t, kSize * kPaddedSize> rows{};
+  double sum = 0.0;
+  float inverse_deviation = 0.0F;
+};
 
 EpipolarSearch::EpipolarSearch(Side source, Side target, const Rigid3& target_from_source,
                                int reduction)
@@ -32,8 +50,37 @@ EpipolarSearch::EpipolarSearch(Side source, Side target, const Rigid3& target_fr
       target_(std::move(target)),
       target_from_source_(target_from_source),
       reduction_(reduction) {
-  cv::integral(source_.image, source_sums_.sum, source_sums_.square, CV_32S, CV_64F);
-  cv::integral(target_.image, target_sums_.sum, target_sums_.square, CV_32S, CV_64F);
+  source_statistics_ = StatisticsOf(source_.image);
+  target_statistics_ = StatisticsOf(target_.image);
+  target_.image = WithRoomBehind(target_.image);
+}
+
+EpipolarSearch::WindowStatistics EpipolarSearch::StatisticsOf(const cv::Mat& image) {
+  cv::Mat sums, squares;
+  cv::integral(image, sums, squares, CV_32S, CV_64F);
+  WindowStatistics statistics{cv::Mat::zeros(image.size(), CV_32S),
+                              cv::Mat::zeros(image.size(), CV_32F)};
+  for (cv::Point at(0, kRadius); at.y < image.rows - kRadius; ++at.y) {
+    for (at.x = kRadius; at.x < image.cols - kRadius; ++at.x) {
+      const double sum = WindowSum<int>(sums, at);
+      const double variance = WindowSum<double>(squares, at) - sum * sum / kArea;
+      constexpr double kFlat = kArea;  // one grey level of deviation
+      statistics.sum.at<int>(at) = static_cast<int>(sum);
+      if (variance < kFlat) continue;
+      statistics.inverse_deviation.at<float>(at) = static_cast<float>(1.0 / std::sqrt(variance));
+    }
+  }
+  return statistics;
+}
+
+EpipolarSearch::SourceWindow EpipolarSearch::WindowAt(const cv::Point& at) const {
+  SourceWindow window{.sum = static_cast<double>(source_statistics_.sum.at<int>(at)),
+                      .inverse_deviation = source_statistics_.inverse_deviation.at<float>(at)};
+  for (int y = 0; y < kSize; ++y) {
+    const std::uint8_t* row = source_.image.ptr(at.y + y - kRadius) + at.x - kRadius;
+    std::copy_n(row, kSize, window.rows.begin() + y * kPaddedSize);
+  }
+  return window;
 }
 
 Eigen::Vector2d EpipolarSearch::Transfer(const Eigen::Vector2d& normalised,
@@ -43,22 +90,19 @@ Eigen::Vector2d EpipolarSearch::Transfer(const Eigen::Vector2d& normalised,
   return Distort(target_.camera, ray.hnormalized());
 }
 
-double EpipolarSearch::Correlation(const cv::Point& source_at, const cv::Point& target_at) const {
+double EpipolarSearch::Correlation(const SourceWindow& window, const cv::Point& target_at) const {
+  const float inverse_deviation =
+      target_statistics_.inverse_deviation.at<float>(target_at.y, target_at.x);
+  if (window.inverse_deviation == 0.0F || inverse_deviation == 0.0F) return -1.0;
   int product = 0;
-  for (int y = -kRadius; y <= kRadius; ++y) {
-    const std::uint8_t* a = source_.image.ptr(source_at.y + y) + source_at.x - kRadius;
+  const std::int16_t* a = window.rows.data();
+  for (int y = -kRadius; y <= kRadius; ++y, a += kPaddedSize) {
     const std::uint8_t* b = target_.image.ptr(target_at.y + y) + target_at.x - kRadius;
-    for (int x = 0; x < kSize; ++x) product += a[x] * b[x];
+    for (int x = 0; x < kPaddedSize; ++x) product += a[x] * static_cast<std::int16_t>(b[x]);
   }
-  const double sum_a = WindowSum<int>(source_sums_.sum, source_at);
-  const double sum_b = WindowSum<int>(target_sums_.sum, target_at);
-  const double variance_a =
-      WindowSum<double>(source_sums_.square, source_at) - sum_a * sum_a / kArea;
-  const double variance_b =
-      WindowSum<double>(target_sums_.square, target_at) - sum_b * sum_b / kArea;
-  constexpr double kFlat = kArea;  // one grey level of deviation
-  if (variance_a < kFlat || variance_b < kFlat) return -1.0;
-  return (product - sum_a * sum_b / kArea) / std::sqrt(variance_a * variance_b);
+  const double covariance =
+      product - window.sum * target_statistics_.sum.at<int>(target_at.y, target_at.x) / kArea;
+  return covariance * window.inverse_deviation * inverse_deviation;
 }
 
 std::optional<EpipolarMatch> EpipolarSearch::Find(const Eigen::Vector2d& pixel,
@@ -81,6 +125,7 @@ std::optional<EpipolarMatch> EpipolarSearch::Find(const Eigen::Vector2d& pixel,
   const Eigen::Vector2d across(-along.y(), along.x());
   const int band = static_cast<int>(std::ceil(range.band_px / reduction_));
 
+  const SourceWindow window = WindowAt(source_at);
   std::vector<float> best_at_step(steps + 1, -1.0F);
   EpipolarMatch best;
   int best_step = -1;
@@ -90,7 +135,7 @@ std::optional<EpipolarMatch> EpipolarSearch::Find(const Eigen::Vector2d& pixel,
     for (int offset = -band; offset <= band; ++offset) {
       const cv::Point at = rounded(on_curve + offset * across);
       if (!Inside(target_.image, at)) continue;
-      const double correlation = Correlation(source_at, at);
+      const double correlation = Correlation(window, at);
       best_at_step[step] = std::max(best_at_step[step], static_cast<float>(correlation));
       if (best_step >= 0 && correlation <= best.correlation) continue;
       best_step = step;

@@ -77,8 +77,9 @@ void RemoveMasked(std::vector<cv::KeyPoint>& keypoints, const cv::Mat& mask, int
   });
 }
 
+constexpr int kOctaveLayers = 3;
+
 cv::Ptr<cv::SIFT> MakeSift(double contrast_threshold) {
-  constexpr int kOctaveLayers = 3;
   // Ratio of curvatures beyond which a keypoint slides along an edge (Lowe 2004, sec. 4.1).
   constexpr double kEdgeThreshold = 10.0;
   constexpr double kSigma = 1.6;
@@ -87,12 +88,20 @@ cv::Ptr<cv::SIFT> MakeSift(double contrast_threshold) {
                           kSigma);
 }
 
+// The faint ones are dropped again where there are enough without them: SIFT's scale space is most
+// of the work, and made once. A keypoint's response is what SIFT compares with its threshold.
 std::vector<cv::KeyPoint> Detect(const cv::Mat& image, const cv::Mat& mask, int reduction,
-                                 cv::SIFT& sift) {
+                                 const FeatureOptions& options, cv::SIFT& sift) {
   std::vector<cv::KeyPoint> found;
   sift.detect(image, found);
   RemoveMasked(found, mask, reduction);
   RemoveSamePosition(found);
+  const auto is_faint = [&](const cv::KeyPoint& keypoint) {
+    return keypoint.response < options.contrast_threshold;
+  };
+  const auto strong = static_cast<std::ptrdiff_t>(found.size()) -
+                      std::count_if(found.begin(), found.end(), is_faint);
+  if (strong >= options.max_keypoints) std::erase_if(found, is_faint);
   return found;
 }
 
@@ -106,13 +115,9 @@ Keypoints DetectKeypoints(const cv::Mat& grey, const cv::Mat& mask, const Featur
   const int reduction = SearchReduction(grey.size(), options);
   cv::Mat image = grey;
   if (reduction == 2) cv::resize(grey, image, cv::Size(), 0.5, 0.5, cv::INTER_AREA);
-  auto sift = MakeSift(options.contrast_threshold);
-  std::vector<cv::KeyPoint> found = Detect(image, mask, reduction, *sift);
-  if (static_cast<int>(found.size()) < options.max_keypoints &&
-      options.faint_contrast_threshold < options.contrast_threshold) {
-    sift = MakeSift(options.faint_contrast_threshold);
-    found = Detect(image, mask, reduction, *sift);
-  }
+  const auto sift =
+      MakeSift(std::min(options.contrast_threshold, options.faint_contrast_threshold));
+  const std::vector<cv::KeyPoint> found = Detect(image, mask, reduction, options, *sift);
   std::vector<cv::KeyPoint> kept;
   for (int index : SpreadEvenly(found, image.size(), options.max_keypoints)) {
     kept.push_back(found[index]);

@@ -37,13 +37,19 @@ class EpipolarSearch {
   Eigen::Vector2d Transfer(const Eigen::Vector2d& normalised, double inverse_depth) const;
 
  private:
-  struct Sums {
-    cv::Mat sum, square;  // integral images, CV_32S and CV_64F
+  // Of the window around each pixel (CV_32S, CV_32F); zero where it leaves the image. The second is
+  // one over the root of the sum of squared differences from the mean; zero for a flat window, too.
+  struct WindowStatistics {
+    cv::Mat sum, inverse_deviation;
   };
-  double Correlation(const cv::Point& source_at, const cv::Point& target_at) const;
+  struct SourceWindow;
+
+  static WindowStatistics StatisticsOf(const cv::Mat& image);
+  SourceWindow WindowAt(const cv::Point& at) const;
+  double Correlation(const SourceWindow& window, const cv::Point& target_at) const;
 
   Side source_, target_;
-  Sums source_sums_, target_sums_;
+  WindowStatistics source_statistics_, target_statistics_;
   Rigid3 target_from_source_;
   int reduction_;
 };
