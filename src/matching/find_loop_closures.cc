@@ -1,6 +1,7 @@
 #include "matching/internal/find_loop_closures.h"
 
 #include <spdlog/spdlog.h>
+#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
@@ -21,6 +22,13 @@ struct Proposal {
   int earlier = 0, later = 0;
   StereoPose motion;
 };
+
+std::vector<VisualWord> WordsOf(const FrameFeatures& features, const Vocabulary& vocabulary) {
+  std::vector<VisualWord> words(features.descriptors.size());
+  tbb::parallel_for(std::size_t{0}, words.size(),
+                    [&](std::size_t i) { words[i] = vocabulary.WordOf(features.descriptors[i]); });
+  return words;
+}
 
 class LoopClosureFinder {
  public:
@@ -76,8 +84,8 @@ class LoopClosureFinder {
     std::vector<std::vector<int>> words;
     for (const int frame : keyframes_) {
       auto& of_frame = words.emplace_back();
-      for (const Descriptor& descriptor : search_.features(frame).descriptors) {
-        of_frame.push_back(vocabulary.WordOf(descriptor).word);
+      for (const VisualWord& word : WordsOf(search_.features(frame), vocabulary)) {
+        of_frame.push_back(word.word);
       }
     }
     return {words, vocabulary.word_count()};
@@ -103,8 +111,8 @@ class LoopClosureFinder {
     SearchedFrame view{.features = search_.features(keyframes_[k])};
     view.points =
         TriangulateFeatures(view.features.features, search_.rig, options_.disparity_noise_px);
-    for (const Descriptor& descriptor : view.features.descriptors) {
-      view.groups.push_back(vocabulary.WordOf(descriptor).branch);
+    for (const VisualWord& word : WordsOf(view.features, vocabulary)) {
+      view.groups.push_back(word.branch);
     }
     return view;
   }
@@ -124,7 +132,14 @@ class LoopClosureFinder {
       const SearchedFrame view = View(k, vocabulary);
       for (const int earlier : alike) {
         if (!held.contains(earlier)) held.emplace(earlier, View(earlier, vocabulary));
-        const auto motion = MotionWithoutPrediction(held.at(earlier), view, search_.rig, options_);
+      }
+      std::vector<std::optional<StereoPose>> motions(alike.size());
+      tbb::parallel_for(std::size_t{0}, alike.size(), [&](std::size_t i) {
+        motions[i] = MotionWithoutPrediction(held.at(alike[i]), view, search_.rig, options_);
+      });
+      for (std::size_t i = 0; i < alike.size(); ++i) {
+        const int earlier = alike[i];
+        const auto& motion = motions[i];
         if (!motion || !Sharp(motion->covariance, k)) continue;
         spdlog::info("{} may show what {} shows: {} matches agree", keyframes_[k],
                      keyframes_[earlier], motion->inlier_count);

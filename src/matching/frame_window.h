@@ -34,7 +34,7 @@ class FrameWindow {
  private:
   struct Kept {
     std::vector<Feature> refined;
-    std::vector<bool> aligned;
+    std::vector<char> aligned;
   };
   MatchedFrame Load(int frame) const;
   void LetGo(int frame);

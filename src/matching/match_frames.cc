@@ -1,8 +1,12 @@
 #include "matching/match_frames.h"
 
 #include <spdlog/spdlog.h>
+#include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <functional>
+#include <set>
+#include <span>
 
 #include "correspondence/stereo_points.h"
 #include "matching/ground_warp.h"
@@ -43,18 +47,61 @@ class FrameMatcher {
         options_(options),
         // Pairs come in order of time, so that a frame's neighbours and loop closures are all that
         // is held.
-        window_(features, rig, options.disparity_noise_px,
-                static_cast<std::size_t>(options.neighbours + 2 * options.max_revisits + 2)) {}
+        window_(features, rig, options.disparity_noise_px, HeldFrames()) {}
 
-  // `returned`: the ground was out of view in between.
-  void Match(const CandidatePair& pair, bool returned) {
-    const Rigid3 predicted = pair.b_from_a.value_or(OdometricMotion(odometry_, pair.a, pair.b));
-    const VerifiedPair verified =
-        VerifyPair(pair, predicted, window_.At(pair.a), window_.At(pair.b), rig_, options_);
+  // `returned` tells of pairs whose ground was out of view in between. Verifying takes nothing that
+  // refining changes: pairs whose frames are held together are verified side by side.
+  void Match(std::span<const CandidatePair> pairs,
+             const std::function<bool(const CandidatePair&)>& returned) {
+    while (!pairs.empty()) {
+      const auto together = pairs.first(CountHeldTogether(pairs));
+      std::vector<const MatchedFrame*> frames;
+      for (const CandidatePair& pair : together) {
+        frames.push_back(&window_.At(pair.a));
+        frames.push_back(&window_.At(pair.b));
+      }
+      std::vector<VerifiedPair> verified(together.size());
+      tbb::parallel_for(std::size_t{0}, together.size(), [&](std::size_t i) {
+        verified[i] = VerifyPair(together[i], Predicted(together[i]), *frames[2 * i],
+                                 *frames[2 * i + 1], rig_, options_);
+      });
+      for (std::size_t i = 0; i < together.size(); ++i) {
+        Keep(together[i], verified[i], returned(together[i]));
+      }
+      pairs = pairs.subspan(together.size());
+    }
+  }
+
+  Correspondences Finish() {
+    result_.features = window_.Finish(static_cast<int>(odometry_.size()));
+    return std::move(result_);
+  }
+
+ private:
+  std::size_t HeldFrames() const {
+    return static_cast<std::size_t>(options_.neighbours + 2 * options_.max_revisits + 2);
+  }
+
+  // How many of the first pairs have, between them, no more frames than are held.
+  std::size_t CountHeldTogether(std::span<const CandidatePair> pairs) const {
+    std::set<int> frames;
+    for (std::size_t i = 0; i < pairs.size(); ++i) {
+      frames.insert({pairs[i].a, pairs[i].b});
+      if (i > 0 && frames.size() > HeldFrames()) return i;
+    }
+    return pairs.size();
+  }
+
+  Rigid3 Predicted(const CandidatePair& pair) const {
+    return pair.b_from_a.value_or(OdometricMotion(odometry_, pair.a, pair.b));
+  }
+
+  void Keep(const CandidatePair& pair, const VerifiedPair& verified, bool returned) {
     if (!verified.b_from_a) return;
     const StereoPose& motion = *verified.b_from_a;
-    FramePair refined = Refine(pair, verified.matches,
-                               returned ? motion.current_from_reference : predicted, returned);
+    FramePair refined =
+        Refine(pair, verified.matches, returned ? motion.current_from_reference : Predicted(pair),
+               returned);
     spdlog::info("{} {}: {} verified, {} aligned", pair.a, pair.b, verified.matches.size(),
                  refined.matches.size());
     // The motion is proven already: half of what that takes is enough to agree in appearance, too.
@@ -66,12 +113,6 @@ class FrameMatcher {
                                      motion.covariance, pair.b_from_a.has_value()});
   }
 
-  Correspondences Finish() {
-    result_.features = window_.Finish(static_cast<int>(odometry_.size()));
-    return std::move(result_);
-  }
-
- private:
   // Aligns features of b with those of a where they have not been aligned yet; drops matches whose
   // patches disagree. A feature already aligned with another view is taken as it is.
   FramePair Refine(const CandidatePair& pair, const std::vector<FeatureMatch>& matches,
@@ -83,17 +124,20 @@ class FrameMatcher {
     MatchedFrame& fixed = window_.At(fixed_frame);
     MatchedFrame& moving = window_.At(backwards ? pair.a : pair.b);
     const Rigid3 moving_from_fixed = backwards ? b_from_a.Inverse() : b_from_a;
+    // No feature stands in two matches, so that each task has its own.
+    std::vector<char> agrees(matches.size(), 0);
+    tbb::parallel_for(std::size_t{0}, matches.size(), [&](std::size_t i) {
+      const int in_fixed = backwards ? matches[i].b : matches[i].a;
+      const int in_moving = backwards ? matches[i].a : matches[i].b;
+      agrees[i] =
+          moving.refinement.aligned[in_moving] ||
+          AlignWithReference(fixed.refinement, in_fixed, moving.refinement, in_moving,
+                             Expected(fixed, in_fixed, fixed_frame, moving_from_fixed, returned),
+                             options_);
+    });
     FramePair result{pair.a, pair.b, {}};
-    for (const FeatureMatch& match : matches) {
-      const int in_fixed = backwards ? match.b : match.a;
-      const int in_moving = backwards ? match.a : match.b;
-      if (!moving.refinement.aligned[in_moving] &&
-          !AlignWithReference(fixed.refinement, in_fixed, moving.refinement, in_moving,
-                              Expected(fixed, in_fixed, fixed_frame, moving_from_fixed, returned),
-                              options_)) {
-        continue;
-      }
-      result.matches.emplace_back(match.a, match.b);
+    for (std::size_t i = 0; i < matches.size(); ++i) {
+      if (agrees[i]) result.matches.emplace_back(matches[i].a, matches[i].b);
     }
     return result;
   }
@@ -159,9 +203,9 @@ Correspondences MatchFrames(const Odometry& odometry, const FeatureSource& featu
   AddFoundLoopClosures(FindLoopClosures({odometry, features, sample_points, rig}, options), pairs);
   const std::vector<int> same_stretch = FirstOfSameStretch(odometry, sample_points, rig, options);
   FrameMatcher matcher(odometry, features, rig, options);
-  for (const CandidatePair& pair : pairs) {
-    matcher.Match(pair, pair.loop_closure && pair.a < same_stretch[pair.b]);
-  }
+  matcher.Match(pairs, [&](const CandidatePair& pair) {
+    return pair.loop_closure && pair.a < same_stretch[pair.b];
+  });
   return matcher.Finish();
 }
 

@@ -39,7 +39,7 @@ FeatureRefinement StartRefinement(FrameFeatures features) {
   return frame;
 }
 
-void RestorePositions(const std::vector<Feature>& refined, const std::vector<bool>& aligned,
+void RestorePositions(const std::vector<Feature>& refined, const std::vector<char>& aligned,
                       FeatureRefinement& frame) {
   frame.refined = refined;
   frame.aligned = aligned;

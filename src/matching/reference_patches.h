@@ -32,14 +32,16 @@ struct FeatureRefinement {
   FrameFeatures found;                     // as extracted
   std::vector<Feature> refined;            // the same features where they were moved to
   std::vector<ReferencePatch> references;  // one per feature; at first its own patch
-  std::vector<bool> aligned;  // true once a feature took an earlier view's reference patch
+  // True once a feature took an earlier view's reference patch. Bytes, so that tasks can set their
+  // own.
+  std::vector<char> aligned;
 };
 
 FeatureRefinement StartRefinement(FrameFeatures features);
 
 // Puts features back to where they had been moved; each one's own patch, around its refined
 // position, becomes its reference patch.
-void RestorePositions(const std::vector<Feature>& refined, const std::vector<bool>& aligned,
+void RestorePositions(const std::vector<Feature>& refined, const std::vector<char>& aligned,
                       FeatureRefinement& frame);
 
 // Aligns feature b of `later` with the reference patch of feature a of `earlier` and moves it

@@ -1,5 +1,7 @@
 #include "matching/internal/vocabulary.h"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -49,7 +51,8 @@ int Vocabulary::Grow(const Vectors& sample, const std::vector<int>& rows, int le
   if (level == kLevels || static_cast<int>(rows.size()) <= kBranches) return -1 - word_count_++;
   Node node = Cluster(sample, rows);
   std::vector<std::vector<int>> parts(kBranches);
-  for (const int row : rows) parts[Nearest(node, sample.row(row))].push_back(row);
+  const std::vector<int> nearest = NearestOf(node, sample, rows);
+  for (std::size_t i = 0; i < rows.size(); ++i) parts[nearest[i]].push_back(rows[i]);
   // Twins that no means tell apart would be split for ever.
   for (const auto& part : parts) {
     if (part.size() == rows.size()) return -1 - word_count_++;
@@ -68,6 +71,14 @@ int Vocabulary::Nearest(const Node& node, const Vector& vector) {
   return static_cast<int>(best);
 }
 
+std::vector<int> Vocabulary::NearestOf(const Node& node, const Vectors& sample,
+                                       const std::vector<int>& rows) {
+  std::vector<int> nearest(rows.size());
+  tbb::parallel_for(std::size_t{0}, rows.size(),
+                    [&](std::size_t i) { nearest[i] = Nearest(node, sample.row(rows[i])); });
+  return nearest;
+}
+
 Vocabulary::Node Vocabulary::Cluster(const Vectors& sample, const std::vector<int>& rows) {
   Node node;
   // Rows spread over the sample, which is in no order of appearance.
@@ -79,10 +90,10 @@ Vocabulary::Node Vocabulary::Cluster(const Vectors& sample, const std::vector<in
     if (iteration == kIterations) break;
     Means sums = Means::Zero();
     std::array<float, kBranches> counts{};
-    for (const int row : rows) {
-      const int nearest = Nearest(node, sample.row(row));
-      sums.row(nearest) += sample.row(row);
-      counts[nearest] += 1.0F;
+    const std::vector<int> nearest = NearestOf(node, sample, rows);
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+      sums.row(nearest[i]) += sample.row(rows[i]);
+      counts[nearest[i]] += 1.0F;
     }
     for (int k = 0; k < kBranches; ++k) {
       if (counts[k] > 0.0F) node.means.row(k) = sums.row(k) / counts[k];

@@ -42,6 +42,9 @@ class Vocabulary {
   // Makes the node over these rows of `sample`; returns its index, or -1 - word for a leaf.
   int Grow(const Vectors& sample, const std::vector<int>& rows, int level);
   static Vector RootSift(const Descriptor& descriptor);
+  // Of each of the rows.
+  static std::vector<int> NearestOf(const Node& node, const Vectors& sample,
+                                    const std::vector<int>& rows);
   static int Nearest(const Node& node, const Vector& vector);
   static Node Cluster(const Vectors& sample, const std::vector<int>& rows);
 
