@@ -53,31 +53,18 @@ class Adjuster {
     // Wide at first: the starting poses are off by more than the pixels are.
     constexpr double kStartErrorPx = 8.0;
     double max_error_px = kStartErrorPx;
-    for (int round = 0; round < options_.rounds; ++round) {
-      const bool last = round + 1 == options_.rounds;
-      Round(max_error_px, last ? kFineTolerance : kRoughTolerance);
+    const auto adjust = [&](double function_tolerance) {
+      Round(max_error_px, function_tolerance);
       max_error_px = options_.outlier_sigmas * noise_px_;
-    }
-    CameraSystemResult system = SolveSystem();
+    };
+    for (int round = 1; round < options_.rounds; ++round) adjust(kRoughTolerance);
     constexpr int kMaxCorrections = 16;
-    int corrections = 0;
-    while (corrections < kMaxCorrections && CorrectRig(system)) {
-      Round(max_error_px, kRoughTolerance);
-      max_error_px = options_.outlier_sigmas * noise_px_;
-      system = SolveSystem();
-      ++corrections;
-    }
-    if (corrections > 0) {
-      Round(max_error_px, kFineTolerance);
-      system = SolveSystem();
-    }
-    return Result(std::move(system));
+    for (int i = 0; i < kMaxCorrections && CorrectRig(); ++i) adjust(kRoughTolerance);
+    adjust(kFineTolerance);
+    return Result(SolveSystem());
   }
 
  private:
-  // Before outliers are dropped and the rig has settled there is no point in the last digits.
-  static constexpr double kRoughTolerance = 1e-4;
-
   void Round(double max_error_px, double function_tolerance) {
     bundle_.points = TriangulateWithin(max_error_px);
     DropThinFrames();
@@ -92,10 +79,13 @@ class Adjuster {
                  errors.size());
   }
 
+  Linearisation Linearised() const {
+    return {bundle_.points, bundle_.left_from_world, bundle_.rig, noise_px_,
+            options_.huber_sigmas * noise_px_};
+  }
+
   CameraSystemResult SolveSystem() const {
-    CameraSystemResult system =
-        SolveCameraSystem(bundle_.points, bundle_.left_from_world, bundle_.rig, noise_px_,
-                          options_.huber_sigmas * noise_px_);
+    CameraSystemResult system = SolveCameraSystem(Linearised());
     if (PathExtent() < bundle_.rig.Baseline()) system.calibration.reset();
     return system;
   }
@@ -114,28 +104,35 @@ class Adjuster {
   }
 
   // False, with nothing changed, where no correction is called for or the last one has settled.
-  bool CorrectRig(const CameraSystemResult& system) {
-    if (!system.calibration) return false;
+  bool CorrectRig() {
+    if (PathExtent() < bundle_.rig.Baseline()) return false;
+    const auto solution = SolveCalibration(Linearised());
+    if (!solution) return false;
     // More is freed only once what is free has settled: until then it may make up for the rest.
-    if (MoveRig(refined_, *system.calibration)) return true;
+    if (MoveRig(refined_, *solution)) return true;
     const RigRefinement next =
-        NextRefinement(refined_, correction_, *system.calibration, prior_, options_);
+        NextRefinement(refined_, correction_, solution->equations, prior_, options_);
     if (next == refined_) return false;
     refined_ = next;
-    return MoveRig(refined_, *system.calibration);
+    return MoveRig(refined_, *solution);
   }
 
-  // To the most probable correction with the parameters of `refined` free; false if it is there.
-  bool MoveRig(RigRefinement refined, const CalibrationEquations& calibration) {
+  // To the most probable correction with the parameters of `refined` free, the poses following;
+  // false if it is there.
+  bool MoveRig(RigRefinement refined, const CalibrationSolution& solution) {
     if (refined == RigRefinement::kNone) return false;
-    const auto better = MostProbable(refined, correction_, calibration, prior_, options_);
+    const auto better = MostProbable(refined, correction_, solution.equations, prior_, options_);
     if (!better) return false;
-    constexpr double kSettledSigmas = 0.25;  // what is left counts in the sigmas
+    constexpr double kSettledSigmas = 0.1;  // what is left counts in the sigmas
     const CalibrationVector step = better->correction - correction_;
     const CalibrationVector sigmas = better->covariance.diagonal().cwiseSqrt();
     if ((step.array().abs() <= kSettledSigmas * sigmas.array()).all()) return false;
     correction_ = better->correction;
     bundle_.rig = Corrected(input_.rig, correction_);
+    for (std::size_t i = 0; i < bundle_.left_from_world.size(); ++i) {
+      auto& pose = bundle_.left_from_world[i];
+      if (pose) pose = Moved(*pose, solution.responses[i], step);
+    }
     spdlog::info("rig corrected, in sigmas of the prior, by {:.3f}",
                  fmt::join(correction_.cwiseQuotient(prior_.sigmas), " "));
     return true;

@@ -23,8 +23,8 @@ struct AdjustmentInput {
 };
 
 // In rounds: triangulates all tracks on the poses as they stand, adjusts poses and points together
-// and drops outliers (Ceres, sparse Schur, robust loss, one thread: equal input gives equal
-// output). Frames with too few observations (10) keep no pose.
+// and drops outliers (robust loss; equal input gives equal output, whatever the number of threads).
+// Frames with too few observations (10) keep no pose.
 Adjustment AdjustBundle(const AdjustmentInput& input, const AdjustmentOptions& options);
 
 }  // namespace rigmap

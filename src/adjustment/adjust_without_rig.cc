@@ -86,7 +86,7 @@ SparseModel AdjustWithoutRig(const SparseModel& model, const StereoRig& rig, int
     const double noise_px = std::max(options.min_noise_px, Median(errors));
     if (last) DropBeyond(options.outlier_sigmas * noise_px, errors, bundle);
     if (bundle.points.empty()) continue;
-    SolveBundle(options.huber_sigmas * noise_px, kFineTolerance, bundle);
+    SolveBundle(options.huber_sigmas * noise_px, last ? kFineTolerance : kRoughTolerance, bundle);
   }
   return ModelOf(model, bundle,
                  SoundKeyframes(model, ObservationsPerFrame(bundle), min_observations));

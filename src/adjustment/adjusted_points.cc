@@ -1,5 +1,7 @@
 #include "adjustment/internal/adjusted_points.h"
 
+#include <tbb/parallel_for.h>
+
 #include <limits>
 
 #include "adjustment/reprojection.h"
@@ -82,13 +84,16 @@ std::vector<AdjustedPoint> TriangulateTracks(
     const std::vector<Track>& tracks, const Correspondences& correspondences, const StereoRig& rig,
     const std::vector<std::optional<Rigid3>>& left_from_world, double max_error_px,
     double max_depth_m) {
-  std::vector<AdjustedPoint> points;
-  for (const Track& track : tracks) {
-    AdjustedPoint point = Observe(track, correspondences, rig, left_from_world);
-    if (!TriangulatePoint(point, rig, left_from_world, max_error_px)) continue;
+  std::vector<std::optional<AdjustedPoint>> found(tracks.size());
+  tbb::parallel_for(std::size_t{0}, tracks.size(), [&](std::size_t i) {
+    AdjustedPoint point = Observe(tracks[i], correspondences, rig, left_from_world);
+    if (!TriangulatePoint(point, rig, left_from_world, max_error_px)) return;
     const Rigid3& first_from_world = *left_from_world[point.observations.front().frame];
-    if ((first_from_world * point.x).norm() > max_depth_m) continue;
-    points.push_back(std::move(point));
+    if ((first_from_world * point.x).norm() <= max_depth_m) found[i] = std::move(point);
+  });
+  std::vector<AdjustedPoint> points;
+  for (auto& point : found) {
+    if (point) points.push_back(std::move(*point));
   }
   return points;
 }

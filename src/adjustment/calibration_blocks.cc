@@ -1,5 +1,7 @@
 #include "adjustment/internal/calibration_blocks.h"
 
+#include <tbb/parallel_for.h>
+
 #include <Eigen/LU>
 #include <algorithm>
 
@@ -57,10 +59,12 @@ std::vector<CalibrationBlock> CalibrationBlocks(
   const int count = std::min(kBlocks, posed / 2);
   std::vector<CalibrationBlock> blocks(static_cast<std::size_t>(std::max(count, 0)));
   if (blocks.empty()) return blocks;
-  for (const AdjustedPoint& point : points) {
-    const int block = rank[point.observations.front().frame] * count / posed;
-    AddPoint(point, left_from_world, rig, responses, noise_px, huber_px, blocks[block]);
-  }
+  tbb::parallel_for(0, count, [&](int block) {
+    for (const AdjustedPoint& point : points) {
+      if (rank[point.observations.front().frame] * count / posed != block) continue;
+      AddPoint(point, left_from_world, rig, responses, noise_px, huber_px, blocks[block]);
+    }
+  });
   return blocks;
 }
 

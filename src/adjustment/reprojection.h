@@ -26,4 +26,25 @@ struct Reprojection {
 std::optional<Reprojection> Reproject(const StereoRig& rig, Eye eye, const Rigid3& left_from_world,
                                       const Eigen::Vector3d& x);
 
+// The same for many points of one frame, without the calibration's derivatives. `rig` must outlive
+// it.
+class FrameProjection {
+ public:
+  struct Linearised {
+    Eigen::Vector2d pixel;
+    Eigen::Matrix<double, 2, 6> by_pose;
+    Eigen::Matrix<double, 2, 3> by_point;
+  };
+
+  FrameProjection(const StereoRig& rig, const Rigid3& left_from_world);
+
+  std::optional<Eigen::Vector2d> Project(Eye eye, const Eigen::Vector3d& x) const;
+  std::optional<Linearised> Linearise(Eye eye, const Eigen::Vector3d& x) const;
+
+ private:
+  const StereoRig& rig_;
+  Eigen::Matrix3d turn_, right_turn_;  // left_from_world, right_from_left
+  Eigen::Vector3d translation_;
+};
+
 }  // namespace rigmap

@@ -4,6 +4,7 @@
 
 #include <Eigen/LU>
 
+#include "adjustment/internal/bundle.h"
 #include "adjustment/reprojection.h"
 #include "tests/adjustment/rover_bundle.h"
 
@@ -27,7 +28,7 @@ class CameraSystemTest : public testing::Test {
   }
 
   CameraSystemResult Solve(double noise_px, double huber_px = kNoHuber_px) const {
-    return SolveCameraSystem(points_, left_from_world_, rover_.rig, noise_px, huber_px);
+    return SolveCameraSystem({points_, left_from_world_, rover_.rig, noise_px, huber_px});
   }
 
   SyntheticRover rover_;
@@ -189,7 +190,8 @@ TEST_F(CameraSystemTest, FramesWithoutPointsAreLeftAlone) {
   ASSERT_EQ(result.covariances.size(), 5u);
   EXPECT_EQ(result.covariances[2], Matrix6d::Zero());
   EXPECT_EQ(result.datum_frames[2], 2);
-  EXPECT_FALSE(SolveCameraSystem({}, left_from_world_, rover_.rig, 0.2, 1.0).calibration);
+  points_.clear();
+  EXPECT_FALSE(Solve(0.2, 1.0).calibration);
 }
 
 TEST_F(CameraSystemTest, ResidualsBeyondHubersLimitCountForLess) {
@@ -224,6 +226,32 @@ TEST_F(CameraSystemTest, TracksThatDriftInflateSigmas) {
   const CameraSystemResult result = Solve(0.1);
   EXPECT_GT(result.inflations[11].mean(), 1.5);
   EXPECT_GT(result.inflations[6].mean(), 1.3);
+}
+
+TEST_F(CameraSystemTest, CalibrationAloneIsThatOfTheWhole) {
+  Make({.frames = 8, .points_per_m2 = 6.0, .pixel_sigma = 0.2, .seed = 58});
+  const CameraSystemResult whole = Solve(0.2);
+  const auto alone = SolveCalibration({points_, left_from_world_, rover_.rig, 0.2, kNoHuber_px});
+  ASSERT_TRUE(whole.calibration && alone);
+  EXPECT_EQ(alone->equations.information, whole.calibration->information);
+  EXPECT_EQ(alone->equations.score, whole.calibration->score);
+  EXPECT_EQ(alone->equations.blocks.size(), whole.calibration->blocks.size());
+}
+
+// A pose that follows a change of the calibration is nearer to where an adjustment then puts it.
+TEST_F(CameraSystemTest, PosesFollowTheCalibration) {
+  Make({.frames = 8, .points_per_m2 = 6.0, .seed = 59});
+  const auto solution = SolveCalibration({points_, left_from_world_, rover_.rig, 0.2, kNoHuber_px});
+  ASSERT_TRUE(solution);
+  CalibrationVector step = CalibrationVector::Zero();
+  step(kLogFocal) = 0.002;
+  Bundle bundle{Corrected(rover_.rig, step), left_from_world_, points_};
+  SolveBundle(kNoHuber_px, 1e-10, bundle);
+  const Rigid3& adjusted = *bundle.left_from_world[7];
+  const Rigid3 followed = Moved(*left_from_world_[7], solution->responses[7], step);
+  EXPECT_GT(ErrorOf(*left_from_world_[7], adjusted).norm(), 1e-4) << "it moves";
+  EXPECT_LT(ErrorOf(followed, adjusted).norm(),
+            0.1 * ErrorOf(*left_from_world_[7], adjusted).norm());
 }
 
 }  // namespace

@@ -126,6 +126,23 @@ TEST_P(ReprojectionTest, NothingBehindTheEye) {
   EXPECT_FALSE(Reproject(scene.rig, GetParam(), scene.left_from_world, scene.x));
 }
 
+TEST_P(ReprojectionTest, ForManyPointsOfAFrameIsTheSame) {
+  for (int trial = 0; trial < 50; ++trial) {
+    const Scene scene = MakeScene(random_);
+    const Reprojection expected = At(scene, GetParam());
+    const FrameProjection frame(scene.rig, scene.left_from_world);
+    const auto found = frame.Linearise(GetParam(), scene.x);
+    ASSERT_TRUE(found);
+    EXPECT_LT((found->pixel - expected.pixel).norm(), 1e-9);
+    EXPECT_LT((*frame.Project(GetParam(), scene.x) - expected.pixel).norm(), 1e-9);
+    EXPECT_TRUE(found->by_pose.isApprox(expected.jacobians.pose, 1e-9));
+    EXPECT_TRUE(found->by_point.isApprox(expected.jacobians.point, 1e-9));
+    const Eigen::Vector3d behind = scene.left_from_world.Inverse() * Eigen::Vector3d(0, 0, -1);
+    EXPECT_FALSE(frame.Project(GetParam(), behind));
+    EXPECT_FALSE(frame.Linearise(GetParam(), behind));
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(Eyes, ReprojectionTest, testing::Values(Eye::kLeft, Eye::kRight),
                          [](const auto& eye) {
                            return eye.param == Eye::kLeft ? "Left" : "Right";

@@ -163,7 +163,7 @@ AdjustmentStage RigAdjustment() {
   return {.name = "adjustment",
           .about =
               "one pose per frame, the rig held and, where the images contradict it, corrected "
-              "between rounds (Ceres); points, sigmas, the trajectory",
+              "between rounds; points, sigmas, the trajectory",
           .code = CodeHere(),
           .make = MakeAdjusted,
           .publishes = std::move(publishes),

@@ -5,6 +5,8 @@
 #include <optional>
 #include <vector>
 
+#include "adjustment/internal/calibration_blocks.h"
+#include "adjustment/internal/reduced_system.h"
 #include "scene/adjustment.h"
 
 namespace rigmap {
@@ -37,11 +39,21 @@ struct CameraSystemResult {
   std::optional<ScaleKnowledge> scale;
 };
 
-// Linearises all observations at the adjusted state (weights as Huber's at `huber_px`, noise
-// `noise_px`), eliminates the points and factorises the rest, a sparse block matrix over frames.
-// Time and memory are linear in the length of a part without long loops.
-CameraSystemResult SolveCameraSystem(const std::vector<AdjustedPoint>& points,
-                                     const std::vector<std::optional<Rigid3>>& left_from_world,
-                                     const StereoRig& rig, double noise_px, double huber_px);
+// Linearises all observations at the adjusted state, eliminates the points and factorises the rest,
+// a sparse block matrix over frames. Time and memory are linear in the length of a part without
+// long loops.
+CameraSystemResult SolveCameraSystem(const Linearisation& at);
+
+// What a step of the calibration takes: less by far than all that SolveCameraSystem finds.
+struct CalibrationSolution {
+  CalibrationEquations equations;
+  std::vector<PoseResponse> responses;  // per frame
+};
+// Nothing where the system is singular.
+std::optional<CalibrationSolution> SolveCalibration(const Linearisation& at);
+
+// left_from_world as it follows, to first order, a step of the calibration.
+Rigid3 Moved(const Rigid3& left_from_world, const PoseResponse& response,
+             const CalibrationVector& calibration_step);
 
 }  // namespace rigmap

@@ -2,7 +2,9 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <cstddef>
+#include <iterator>
 #include <utility>
 #include <vector>
 
@@ -23,6 +25,10 @@ class ScoreClusters {
   // all share, is apart.
   void Add(std::vector<Score> poses, const CalibrationVector& calibration) {
     clusters_.push_back({std::move(poses), calibration});
+  }
+
+  void Append(ScoreClusters further) {
+    std::ranges::move(further.clusters_, std::back_inserter(clusters_));
   }
 
   // The block of the covariance that belongs to one unknown pose, given the six columns of N^-1

@@ -1,0 +1,49 @@
+// The normal equations of an adjustment with the points eliminated. Of this room only.
+#pragma once
+
+#include <map>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "adjustment/internal/score_clusters.h"
+#include "scene/adjustment.h"
+
+namespace rigmap {
+
+using PoseCalibration = Eigen::Matrix<double, 6, kCalibrationSize>;
+
+// What is linearised, and how observations are weighted: as Huber's loss at `huber_px` does, the
+// noise being `noise_px`.
+struct Linearisation {
+  const std::vector<AdjustedPoint>& points;
+  const std::vector<std::optional<Rigid3>>& left_from_world;
+  const StereoRig& rig;
+  double noise_px = 1.0, huber_px = 1.0;
+};
+
+// Unknowns are the poses of frames that are not held, in order of frames, and the calibration.
+struct ReducedSystem {
+  std::vector<int> datum_frames;  // per frame (DatumFrames)
+  std::vector<int> unknown;       // per frame; nothing (-1) of a datum frame or one without points
+  int unknowns = 0;
+
+  std::map<std::pair<int, int>, Matrix6d> blocks;  // row, column: lower triangle
+  std::vector<PoseCalibration> pose_calibration;   // per unknown, coupling
+  std::vector<Vector6d> pose_gradient;             // per unknown
+  CalibrationMatrix calibration = CalibrationMatrix::Zero();
+  CalibrationVector calibration_gradient = CalibrationVector::Zero();
+  // A track is a cluster: all its positions are aligned with one patch, or with each other's.
+  ScoreClusters clusters;
+  double coordinates = 0.0, point_unknowns = 0.0;
+
+  bool IsUnknown(std::size_t frame) const { return unknown[frame] >= 0; }
+  // Share of the coordinates' freedom that the unknowns leave.
+  double Redundancy() const;
+};
+
+// Points are shared out in a fixed number of parts, which are added up in order: the result does
+// not depend on the number of threads.
+ReducedSystem AssembleReducedSystem(const Linearisation& at);
+
+}  // namespace rigmap
