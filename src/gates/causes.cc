@@ -208,6 +208,16 @@ Cause MotionsDiffer(const Failed& failed) {
   return {"map and odometry tell of different motions", std::move(found), std::move(advice)};
 }
 
+Cause DepthsDisagree(const Failed& failed) {
+  const Gate& gate = *failed.Find("depth_consistency_pct");
+  return {"stereo and motion tell of different depths",
+          fmt::format("stereo and motion tell of different depths: from one part of the image to "
+                      "another they differ by {} % (expected: at most {} %), as lenses do that the "
+                      "rig file has wrong",
+                      ValueText(gate), LimitText(gate)),
+          fmt::format("calibrate the lenses anew, or {}", kManyDrives)};
+}
+
 Cause NotAsGoodAsAsked(const Failed& failed) {
   const Gate* scale = failed.Find("scale_95_pct");
   const Gate* position = failed.Find("position_95_pct");

@@ -34,17 +34,20 @@ const std::vector<Root>& Roots() {
   static const Names shape{"baseline_spread", "baseline_rejected"};
   static const Names rig{"rig_refinement_px", "rig_consistency_deg", "rig_consistency_sigmas",
                          "intrinsics_consistency_pct", "intrinsics_consistency_sigmas"};
-  static const Names registered{"registered"}, dark{"predicted"}, depth{"depth_bias_px"};
+  static const Names registered{"registered"}, dark{"predicted"}, depth{"depth_bias_px"},
+      lenses{"depth_consistency_pct"};
   static const std::vector<Root> roots{
       {RigDoesNotFit,
        {"epipolar_px"},
-       Joined({dark, rig, registered, shape, residuals, motion, sigmas, depth})},
+       Joined({dark, rig, registered, shape, residuals, motion, lenses, sigmas, depth})},
       {NothingToFollow, dark, Joined({registered, sigmas}), true},
-      {RigIsContradicted, rig, Joined({registered, shape, residuals, motion, sigmas, depth})},
+      {RigIsContradicted, rig,
+       Joined({registered, shape, residuals, motion, lenses, sigmas, depth})},
       {FewRegistered, registered, Joined({shape, motion, sigmas})},
-      {MapIsBent, shape, Joined({motion, sigmas})},
-      {MatchesContradict, residuals, Joined({motion, sigmas})},
-      {MotionsDiffer, motion, sigmas, true},
+      {MapIsBent, shape, Joined({motion, lenses, sigmas})},
+      {MatchesContradict, residuals, Joined({motion, lenses, sigmas})},
+      {MotionsDiffer, motion, Joined({lenses, sigmas}), true},
+      {DepthsDisagree, lenses, sigmas},
       {NotAsGoodAsAsked, sigmas, {}, false, true},
       {DenseDiffers, depth, {}, false, true}};
   return roots;

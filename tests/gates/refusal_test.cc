@@ -49,6 +49,7 @@ const std::vector<std::string> kAllGates{"baseline_spread",
                                          "rig_consistency_sigmas",
                                          "intrinsics_consistency_pct",
                                          "intrinsics_consistency_sigmas",
+                                         "depth_consistency_pct",
                                          "depth_bias_px"};
 
 std::vector<std::string> NamesOf(const Cause& cause) {
