@@ -10,28 +10,50 @@
 namespace rigmap {
 namespace {
 
-std::vector<View> Views(const AdjustedPoint& point, const StereoRig& rig,
-                        const std::vector<std::optional<Rigid3>>& left_from_world) {
-  std::vector<View> views;
-  for (const PointObservation& observation : point.observations) {
-    const Rigid3& pose = *left_from_world[observation.frame];
-    views.push_back({observation.eye == Eye::kLeft ? pose : rig.right_from_left * pose,
-                     *Undistort(rig.Of(observation.eye).camera, observation.pixel)});
+// The posed frames as tracks are triangulated on them.
+class PosedFrames {
+ public:
+  PosedFrames(const StereoRig& rig, const std::vector<std::optional<Rigid3>>& left_from_world)
+      : rig_(rig), left_from_world_(left_from_world) {
+    for (const auto& pose : left_from_world) {
+      projections_.emplace_back(rig, pose.value_or(Rigid3()));
+    }
   }
-  return views;
-}
+
+  bool IsPosed(int frame) const { return left_from_world_[frame].has_value(); }
+
+  // Nothing for a pixel without a ray.
+  std::optional<View> ViewOf(const PointObservation& o) const {
+    const auto normalised = Undistort(rig_.Of(o.eye).camera, o.pixel);
+    if (!normalised) return std::nullopt;
+    const Rigid3& pose = *left_from_world_[o.frame];
+    return View{o.eye == Eye::kLeft ? pose : rig_.right_from_left * pose, *normalised};
+  }
+
+  double ErrorPx(const PointObservation& o, const Eigen::Vector3d& x) const {
+    const auto pixel = projections_[o.frame].Project(o.eye, x);
+    return pixel ? (*pixel - o.pixel).norm() : std::numeric_limits<double>::infinity();
+  }
+
+ private:
+  const StereoRig& rig_;
+  const std::vector<std::optional<Rigid3>>& left_from_world_;
+  std::vector<FrameProjection> projections_;
+};
+
+// A point in the making, with the view that belongs to each observation.
+struct ViewedPoint {
+  AdjustedPoint point;
+  std::vector<View> views;
+};
 
 // The observation that lies furthest from the point's image, if further than max_error_px.
 std::optional<std::ptrdiff_t> WorstBeyond(double max_error_px, const AdjustedPoint& point,
-                                          const StereoRig& rig,
-                                          const std::vector<std::optional<Rigid3>>& poses) {
+                                          const PosedFrames& frames) {
   std::optional<std::ptrdiff_t> worst;
   double worst_px = max_error_px;
   for (std::size_t i = 0; i < point.observations.size(); ++i) {
-    const PointObservation& o = point.observations[i];
-    const auto at = Reproject(rig, o.eye, *poses[o.frame], point.x);
-    const double error_px =
-        at ? (at->pixel - o.pixel).norm() : std::numeric_limits<double>::infinity();
+    const double error_px = frames.ErrorPx(point.observations[i], point.x);
     if (error_px <= worst_px) continue;
     worst = static_cast<std::ptrdiff_t>(i);
     worst_px = error_px;
@@ -40,35 +62,35 @@ std::optional<std::ptrdiff_t> WorstBeyond(double max_error_px, const AdjustedPoi
 }
 
 // All observations of a track in frames that have a pose, but for pixels without a ray.
-AdjustedPoint Observe(const Track& track, const Correspondences& correspondences,
-                      const StereoRig& rig,
-                      const std::vector<std::optional<Rigid3>>& left_from_world) {
-  AdjustedPoint point;
+ViewedPoint Observe(const Track& track, const Correspondences& correspondences,
+                    const PosedFrames& frames) {
+  ViewedPoint seen;
   const auto add = [&](const PointObservation& observation) {
-    const Camera& camera = rig.Of(observation.eye).camera;
-    if (Undistort(camera, observation.pixel)) point.observations.push_back(observation);
+    const auto view = frames.ViewOf(observation);
+    if (!view) return;
+    seen.point.observations.push_back(observation);
+    seen.views.push_back(*view);
   };
   for (const auto& [frame, index] : track) {
-    if (!left_from_world[frame]) continue;
+    if (!frames.IsPosed(frame)) continue;
     const Feature& feature = correspondences.features[frame][index];
     add({frame, index, Eye::kLeft, feature.left});
     if (feature.right) add({frame, index, Eye::kRight, *feature.right});
   }
-  return point;
+  return seen;
 }
 
 // Triangulates, dropping the worst observation until all that is left agrees; false if that is not
 // to be had.
-bool TriangulatePoint(AdjustedPoint& point, const StereoRig& rig,
-                      const std::vector<std::optional<Rigid3>>& left_from_world,
-                      double max_error_px) {
-  while (SpansFrames(point)) {
-    const auto x = Triangulate(Views(point, rig, left_from_world));
+bool TriangulatePoint(ViewedPoint& seen, const PosedFrames& frames, double max_error_px) {
+  while (SpansFrames(seen.point)) {
+    const auto x = Triangulate(seen.views);
     if (!x) return false;
-    point.x = *x;
-    const auto worst = WorstBeyond(max_error_px, point, rig, left_from_world);
+    seen.point.x = *x;
+    const auto worst = WorstBeyond(max_error_px, seen.point, frames);
     if (!worst) return true;
-    point.observations.erase(point.observations.begin() + *worst);
+    seen.point.observations.erase(seen.point.observations.begin() + *worst);
+    seen.views.erase(seen.views.begin() + *worst);
   }
   return false;
 }
@@ -84,10 +106,12 @@ std::vector<AdjustedPoint> TriangulateTracks(
     const std::vector<Track>& tracks, const Correspondences& correspondences, const StereoRig& rig,
     const std::vector<std::optional<Rigid3>>& left_from_world, double max_error_px,
     double max_depth_m) {
+  const PosedFrames frames(rig, left_from_world);
   std::vector<std::optional<AdjustedPoint>> found(tracks.size());
   tbb::parallel_for(std::size_t{0}, tracks.size(), [&](std::size_t i) {
-    AdjustedPoint point = Observe(tracks[i], correspondences, rig, left_from_world);
-    if (!TriangulatePoint(point, rig, left_from_world, max_error_px)) return;
+    ViewedPoint seen = Observe(tracks[i], correspondences, frames);
+    if (!TriangulatePoint(seen, frames, max_error_px)) return;
+    AdjustedPoint& point = seen.point;
     const Rigid3& first_from_world = *left_from_world[point.observations.front().frame];
     if ((first_from_world * point.x).norm() <= max_depth_m) found[i] = std::move(point);
   });

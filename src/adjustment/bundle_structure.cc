@@ -88,8 +88,8 @@ void BundleSolver::ListPairs() {
   });
   for (const auto& pairs : pairs_of_part) {
     pairs_.insert(pairs_.end(), pairs.begin(), pairs.end());
-    SortUnique(pairs_);
   }
+  SortUnique(pairs_);
   for (std::size_t i = 0; i < parts_.size(); ++i) {
     for (const auto& pair : pairs_of_part[i]) parts_[i].pairs.push_back(IndexIn(pairs_, pair));
   }

@@ -36,12 +36,14 @@ void AddPoint(const AdjustedPoint& point, const std::vector<std::optional<Rigid3
     v_gradient += weight * at->jacobians.point.transpose() * residual;
     coupling += weight * by_calibration.transpose() * at->jacobians.point;
     gradient += weight * by_calibration.transpose() * residual;
-    information += weight * by_calibration.transpose() * by_calibration;
+    // Lazily: products of this shape are too small for blocked ones to pay.
+    information += weight * by_calibration.transpose().lazyProduct(by_calibration);
   }
   const Eigen::Matrix3d inverse = v.inverse();
   if (!inverse.allFinite()) return;
   block.score -= gradient - coupling * (inverse * v_gradient);
-  block.information += information - coupling * inverse * coupling.transpose();
+  const Eigen::Matrix<double, kCalibrationSize, 3> scaled = coupling * inverse;
+  block.information += information - scaled.lazyProduct(coupling.transpose());
 }
 
 }  // namespace

@@ -46,7 +46,8 @@ void AddObservation(const PointObservation& observation, const Eigen::Vector3d& 
   point.gradient += weight * j.point.transpose() * residual;
   point.calibration += weight * j.calibration.transpose() * j.point;
   point.calibration_score += weight * j.calibration.transpose() * residual;
-  system.calibration += weight * j.calibration.transpose() * j.calibration;
+  // Lazily: products of this shape are too small for blocked ones to pay.
+  system.calibration += weight * j.calibration.transpose().lazyProduct(j.calibration);
   const int unknown = system.unknown[observation.frame];
   if (unknown < 0) return;
   if (point.views.empty() || point.views.back().unknown != unknown) {
@@ -56,7 +57,7 @@ void AddObservation(const PointObservation& observation, const Eigen::Vector3d& 
   view.coupling += weight * j.pose.transpose() * j.point;
   view.score += weight * j.pose.transpose() * residual;
   BlockOf(unknown, unknown, system) += weight * j.pose.transpose() * j.pose;
-  system.pose_calibration[unknown] += weight * j.pose.transpose() * j.calibration;
+  system.pose_calibration[unknown] += weight * j.pose.transpose().lazyProduct(j.calibration);
 }
 
 // Subtracts what the point's own freedom takes away.
@@ -69,11 +70,12 @@ void EliminatePoint(const PointEquations& point, ReducedSystem& system) {
       if (k.unknown > i.unknown) break;
       BlockOf(i.unknown, k.unknown, system) -= scaled * k.coupling.transpose();
     }
-    system.pose_calibration[i.unknown] -= scaled * point.calibration.transpose();
+    system.pose_calibration[i.unknown] -= scaled.lazyProduct(point.calibration.transpose());
     system.pose_gradient[i.unknown] -= scaled * point.gradient;
   }
-  system.calibration -= point.calibration * inverse * point.calibration.transpose();
-  system.calibration_gradient -= point.calibration * inverse * point.gradient;
+  const Eigen::Matrix<double, kCalibrationSize, 3> scaled = point.calibration * inverse;
+  system.calibration -= scaled.lazyProduct(point.calibration.transpose());
+  system.calibration_gradient -= scaled * point.gradient;
 }
 
 void AddCluster(const PointEquations& point, ReducedSystem& system) {
