@@ -69,8 +69,8 @@ struct TriangulatorOptions {
   double tri_complete_max_reproj_error_px = 15.0;  // of an observation added to a track
   double filter_max_reproj_error_px = 30.0;        // beyond, an observation is dropped
   double tri_min_angle_deg = 1.5;                  // of a new point, and to keep one
-  int ba_global_max_refinements = 5;          // rounds of refining, completing and filtering points
-  int ba_global_max_num_iterations = 50;      // in each round; only points move
+  int ba_global_max_refinements = 5;      // rounds of refining, completing and filtering points
+  int ba_global_max_num_iterations = 50;  // in each round; only points move
   double ba_global_function_tolerance = 1e-4;  // relative; they are adjusted afterwards
   // As for the mapper.
   bool tri_ignore_two_view_tracks = false;

@@ -147,7 +147,7 @@ double Cubic(const GreyView& image, const Eigen::Vector2d& x) {
 bool Sample(const GreyView& target, const Template& window, const PatchWarp& warp,
             std::array<double, kMaxSamples>& grey) {
   for (int i = 0; i < window.count; ++i) {
-    const Eigen::Vector2d x = warp * window.offset[i];
+    const Eigen::Vector2d x = warp.position + warp.linear * window.offset[i];
     if (!(x.x() >= 0.0 && x.y() >= 0.0 && x.x() < target.width - 1 && x.y() < target.height - 1)) {
       return false;
     }
@@ -191,6 +191,8 @@ std::optional<PatchAlignment> AlignPatch(const GreyView& source, const Eigen::Ve
   if (!MakeTemplate(source, centre, options.radius_px, window)) return std::nullopt;
   const Eigen::LDLT<Matrix6> solver(window.hessian);
   if (solver.info() != Eigen::Success || !(solver.rcond() > 1e-8)) return std::nullopt;
+  // The bend is not searched.
+  for (int i = 0; i < window.count; ++i) window.offset[i] = start.Bent(window.offset[i]);
   PatchAlignment result{.warp = start};
   std::array<double, kMaxSamples> grey;
   for (int iteration = 0; iteration < options.max_iterations; ++iteration) {

@@ -24,9 +24,9 @@ struct PatchWarp {
   // draw windows aside, all of a frame the same way, by some hundredths of a pixel.
   Eigen::Matrix<double, 2, 3> bend = Eigen::Matrix<double, 2, 3>::Zero();
 
-  Eigen::Vector2d operator*(const Eigen::Vector2d& u) const {
-    return position +
-           linear * (u + bend * Eigen::Vector3d(u.x() * u.x(), u.x() * u.y(), u.y() * u.y()));
+  Eigen::Vector2d operator*(const Eigen::Vector2d& u) const { return position + linear * Bent(u); }
+  Eigen::Vector2d Bent(const Eigen::Vector2d& u) const {
+    return u + bend * Eigen::Vector3d(u.x() * u.x(), u.x() * u.y(), u.y() * u.y());
   }
 };
 
