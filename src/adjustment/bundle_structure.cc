@@ -93,7 +93,7 @@ void BundleSolver::ListPairs() {
   for (std::size_t i = 0; i < parts_.size(); ++i) {
     for (const auto& pair : pairs_of_part[i]) parts_[i].pairs.push_back(IndexIn(pairs_, pair));
   }
-  matrix_.emplace(unknowns_, pairs_);
+  if (unknowns_ > 0) matrix_.emplace(unknowns_, pairs_);
 }
 
 }  // namespace rigmap

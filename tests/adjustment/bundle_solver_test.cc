@@ -10,7 +10,7 @@ namespace {
 
 constexpr double kNoHuber_px = 1e9;
 
-// Bends what is beyond a pixel, of noise of 0.3 px with some gross errors in it.
+// The rover with noise of 0.3 px.
 class BundleSolverTest : public testing::Test {
  protected:
   void SetUp() override {
@@ -95,6 +95,23 @@ TEST_F(BundleSolverTest, LeavesABundleWithAPointBehindAnEye) {
   const Bundle before = bundle_;
   EXPECT_EQ(BundleSolver(bundle_, 1.0).Solve(1e-7).iterations, 0);
   EXPECT_EQ(bundle_.points[7].x, before.points[7].x);
+}
+
+// Frames that share fewer than ten points are held, each by itself.
+TEST_F(BundleSolverTest, MovesPointsAloneWhereEveryPoseIsHeld) {
+  bundle_.points.resize(5);
+  const Bundle before = bundle_;
+  const auto summary = BundleSolver(bundle_, kNoHuber_px).Solve(1e-10);
+  EXPECT_LE(summary.final_cost, summary.initial_cost);
+  EXPECT_NE(bundle_.points[0].x, before.points[0].x);
+  for (std::size_t i = 0; i < before.left_from_world.size(); ++i) {
+    EXPECT_EQ(bundle_.left_from_world[i]->translation, before.left_from_world[i]->translation);
+  }
+}
+
+TEST_F(BundleSolverTest, TakesABundleWithoutPoints) {
+  bundle_.points.clear();
+  EXPECT_EQ(BundleSolver(bundle_, 1.0).Solve(1e-7).final_cost, 0.0);
 }
 
 }  // namespace

@@ -79,8 +79,8 @@ class BundleSolver {
   std::vector<Eliminated> eliminated_;  // per point
   std::vector<PoseMatrix::Pair> pairs_;
   std::vector<Part> parts_;
-  std::optional<PoseMatrix> matrix_;
-  std::vector<Matrix6d> blocks_;  // per pair
+  std::optional<PoseMatrix> matrix_;  // where a pose is unknown
+  std::vector<Matrix6d> blocks_;      // per pair
 };
 
 }  // namespace rigmap
