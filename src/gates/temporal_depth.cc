@@ -54,6 +54,7 @@ struct TemporalDepth {
   Eigen::Vector2d slope_sum = Eigen::Vector2d::Zero();  // of all images
 };
 
+// The left images of all frames but one that show the point of one of its rays.
 class OtherFrames {
  public:
   OtherFrames(const Adjustment& adjustment, const std::vector<LeftView>& views, std::size_t here)
@@ -66,6 +67,7 @@ class OtherFrames {
     }
   }
 
+  // By the method of Gauss and Newton from a guess; nothing where it leads behind a camera.
   std::optional<TemporalDepth> DepthFrom(double inverse_depth) const {
     constexpr int kMaxIterations = 10;
     for (int i = 0; i < kMaxIterations; ++i) {
