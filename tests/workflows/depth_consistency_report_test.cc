@@ -21,16 +21,16 @@ TEST(ReportDepthConsistency, SaysNothingOfNothing) {
 
 TEST(ReportDepthConsistency, NamesRingsAndCells) {
   const Report report = ReportDepthConsistency(SomeConsistency());
-  const Report &radius = report.at("radius"), &place = report.at("place");
+  const Report &radius = report.at("radius"), &cells = report.at("place");
   EXPECT_EQ(radius.at("systematic_pct"), 0.3);
   EXPECT_EQ(radius.at("systematic_sigma_pct"), 0.1);
-  EXPECT_EQ(place.at("systematic_px"), 0.04);
-  EXPECT_EQ(place.at("systematic_sigma_px"), 0.01);
+  EXPECT_EQ(cells.at("systematic_px"), 0.04);
+  EXPECT_EQ(cells.at("systematic_sigma_px"), 0.01);
   ASSERT_EQ(radius.at("rings").size(), 5U);
   EXPECT_EQ(radius.at("rings")[4].at("from_px"), 400.0);
   EXPECT_EQ(radius.at("rings")[4].at("to_px"), 500.0);
-  ASSERT_EQ(place.at("cells").size(), 12U);
-  EXPECT_EQ(place.at("cells")[6], (Report{{"row", 1},
+  ASSERT_EQ(cells.at("cells").size(), 12U);
+  EXPECT_EQ(cells.at("cells")[6], (Report{{"row", 1},
                                           {"column", 2},
                                           {"tracks", 25},
                                           {"disparity_px", -0.05},
