@@ -8,8 +8,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "adjustment/internal/prior_scale.h"
-
 namespace rigmap {
 namespace {
 
@@ -130,7 +128,7 @@ CalibrationPrior PriorOf(const StereoRig& rig, const AdjustmentOptions& options)
     return {rig.calibration_covariance->diagonal().cwiseSqrt(),
             rig.calibration_covariance->inverse()};
   }
-  CalibrationPrior prior{SigmasOf(rig, options), CalibrationMatrix::Zero(), false};
+  CalibrationPrior prior{SigmasOf(rig, options), CalibrationMatrix::Zero()};
   prior.information.diagonal() = prior.sigmas.cwiseAbs2().cwiseInverse();
   return prior;
 }
@@ -184,16 +182,6 @@ double LargestShiftPx(const StereoRig& from, const StereoRig& to) {
   return largest_px;
 }
 
-namespace {
-
-CalibrationPrior Widened(CalibrationPrior prior, double factor) {
-  prior.sigmas *= factor;
-  prior.information /= factor * factor;
-  return prior;
-}
-
-}  // namespace
-
 CalibrationMatrix CalibrationError(RigRefinement refined, const CalibrationVector& now,
                                    const CalibrationEquations& equations,
                                    const CalibrationPrior& prior,
@@ -206,23 +194,14 @@ CalibrationMatrix CalibrationError(RigRefinement refined, const CalibrationVecto
   const bool is_rejected =
       refined == RigRefinement::kAllButFocal && options.refine_rig == RigRefinement::kAuto &&
       off(kLogFocal) * off(kLogFocal) > kConflictSigmas * kConflictSigmas * focal_variance;
-  if (is_rejected) {
-    // What the others would do if the focal length were another one, and what they do if it is
-    // held.
-    const CalibrationVector following = all->covariance.col(kLogFocal) / focal_variance;
-    const CalibrationMatrix held =
-        all->covariance - focal_variance * following * following.transpose();
-    const CalibrationVector off_held = off - off(kLogFocal) * following;
-    const double sigma = prior.sigmas(kLogFocal);
-    return held + off_held * off_held.transpose() +
-           sigma * sigma * following * following.transpose();
-  }
-  const double scale = PriorScale(now, equations, Inflation(equations, options), prior);
-  const auto scaled =
-      MostProbable(RigRefinement::kAll, now, equations, Widened(prior, scale), options);
-  if (!scaled) return prior.sigmas.cwiseAbs2().asDiagonal();
-  const CalibrationVector left = scaled->correction - now;
-  return scaled->covariance + left * left.transpose();
+  if (!is_rejected) return all->covariance + off * off.transpose();
+  // What the others would do if the focal length were another one, and what they do if it is held.
+  const CalibrationVector following = all->covariance.col(kLogFocal) / focal_variance;
+  const CalibrationMatrix held =
+      all->covariance - focal_variance * following * following.transpose();
+  const CalibrationVector off_held = off - off(kLogFocal) * following;
+  const double sigma = prior.sigmas(kLogFocal);
+  return held + off_held * off_held.transpose() + sigma * sigma * following * following.transpose();
 }
 
 std::optional<LeftOutGain> GainOfRefining(RigRefinement from, RigRefinement to,

@@ -56,10 +56,9 @@ std::optional<ProbableCorrection> MostProbable(RigRefinement refined, const Cali
                                                const AdjustmentOptions& options);
 
 // Mean square error of the calibration at the correction `now`, in which the parameters of
-// `refined` are free: what the part and the prior, as wide as what the part can check of it shows
-// it to be, leave unknown, and how far the most probable correction lies from it. Where the images
-// ask for a focal length that left-out stretches did not confirm, they do not know it, and the
-// prior counts; so it does where the equations are singular.
+// `refined` are free: what the part and the prior leave unknown, and how far the most probable
+// correction lies from it. Where the images ask for a focal length that left-out stretches did not
+// confirm, they do not know it, and the prior counts; so it does where the equations are singular.
 CalibrationMatrix CalibrationError(RigRefinement refined, const CalibrationVector& now,
                                    const CalibrationEquations& equations,
                                    const CalibrationPrior& prior, const AdjustmentOptions& options);

@@ -42,7 +42,6 @@ using CalibrationMatrix = Eigen::Matrix<double, kCalibrationSize, kCalibrationSi
 struct CalibrationPrior {
   CalibrationVector sigmas = CalibrationVector::Ones();
   CalibrationMatrix information = CalibrationMatrix::Identity();
-  bool is_stated = true;  // by the rig file; else it is what rig files are usually good to
 };
 
 // Which parameters an adjustment corrects. kAuto: as many as the images tell.
