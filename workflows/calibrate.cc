@@ -42,6 +42,11 @@ Pool ReadPool(const std::vector<std::filesystem::path>& outs) {
   if (pool.names.empty()) {
     throw DataError("expected a part that tells something of its rig, found none");
   }
+  if (pool.names.size() == 1) {
+    spdlog::warn(
+        "{} alone tells of the rig: its file is for other parts, and helps this one nothing",
+        pool.names.front());
+  }
   return pool;
 }
 

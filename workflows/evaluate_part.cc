@@ -56,6 +56,25 @@ nlohmann::ordered_json Metrics(const EvaluateRequest& request) {
   }
 }
 
+// Whether the result is trusted, and how good it says it is.
+std::string Standing(const std::filesystem::path& out) {
+  const auto path = out / "summary.json";
+  if (!std::filesystem::exists(path)) return "";
+  try {
+    const auto summary = nlohmann::ordered_json::parse(ReadTextFile(path));
+    const std::string status = summary.at("status");
+    const auto& text = summary.at("verdict").at("text");
+    return fmt::format("{}{}\n",
+                       status == "ok"          ? "trusted"
+                       : status == "untrusted" ? "NOT TRUSTED"
+                                               : status,
+                       text.is_string() ? ": " + text.get<std::string>() : "");
+  } catch (const nlohmann::json::exception&) {
+    throw DataError(
+        fmt::format("{}: expected a summary of a run, found something else", path.string()));
+  }
+}
+
 }  // namespace
 
 std::filesystem::path TruthFile(const std::filesystem::path& truth) {
@@ -73,7 +92,7 @@ std::filesystem::path TruthFile(const std::filesystem::path& truth) {
 std::string EvaluatePart(const EvaluateRequest& request) {
   const auto metrics = Metrics(request);
   if (request.json) return metrics.dump() + "\n";
-  return FormatMetrics(metrics);
+  return Standing(request.out) + FormatMetrics(metrics);
 }
 
 }  // namespace rigmap

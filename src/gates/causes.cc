@@ -16,8 +16,8 @@ constexpr std::string_view kThisRig =
     "check that the rig file is of these cameras at this image size, left and right not exchanged; "
     "else calibrate them anew and give that file with --rig";
 constexpr std::string_view kManyDrives =
-    "put several drives with this rig together, rigmap calibrate OUT... --rig-out FILE, and run "
-    "again with --rig FILE";
+    "put other drives with this rig together, rigmap calibrate OUT... --rig-out FILE, and run this "
+    "one again with --rig FILE";
 
 // What the uncertainty comes from, and what helps against it.
 struct Origin {
@@ -76,11 +76,18 @@ bool Failed::IsInPieces() const {
 
 std::string ValueText(const Gate& gate, double factor) {
   if (!gate.value) return "an unknown number of";
-  return fmt::format("{:.2g}", factor * *gate.value);
+  // As many digits as tell it from the limit.
+  constexpr int kFew = 2, kMany = 6;
+  std::string text;
+  for (int digits = kFew; digits <= kMany; ++digits) {
+    text = fmt::format("{:.{}g}", factor * *gate.value, digits);
+    if (text != LimitText(gate, factor)) break;
+  }
+  return text;
 }
 
 std::string LimitText(const Gate& gate, double factor) {
-  return fmt::format("{:.2g}", factor * gate.limit);
+  return fmt::format("{:.4g}", factor * gate.limit);
 }
 
 Cause RigDoesNotFit(const Failed& failed) {

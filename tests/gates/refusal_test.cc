@@ -58,6 +58,12 @@ std::vector<std::string> NamesOf(const Cause& cause) {
   return names;
 }
 
+TEST(RefusalOf, TellsAValueFromItsLimit) {
+  const auto refusal = RefusalOf(Failing({"scale_95_pct"}, 1.00124), Findings(), 0);
+  ASSERT_THAT(refusal.causes, SizeIs(1));
+  EXPECT_THAT(refusal.causes[0].found, HasSubstr("the scale is known to 1.001 %"));
+}
+
 TEST(RefusalOf, HealthyPartHasNone) {
   const Refusal refusal = RefusalOf(Failing({}), Findings());
   EXPECT_THAT(refusal.causes, IsEmpty());

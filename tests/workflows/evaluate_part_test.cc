@@ -53,6 +53,20 @@ TEST_F(EvaluatePartTest, ComparesWithAFileOrWithThatOfAFolder) {
   EXPECT_EQ(EvaluatePart({out_, truth_.parent_path(), true}), line);
 }
 
+TEST_F(EvaluatePartTest, SaysFirstWhetherTheResultIsTrusted) {
+  const std::string metrics = EvaluatePart({out_, truth_, false});
+  const auto with = [&](const std::string& status, const std::string& text) {
+    WriteTestFile(out_ / "summary.json",
+                  R"({"status": ")" + status + R"(", "verdict": {"text": )" + text + "}}");
+    return EvaluatePart({out_, truth_, false});
+  };
+  EXPECT_EQ(with("ok", R"("metres good to 1 %")"), "trusted: metres good to 1 %\n" + metrics);
+  EXPECT_EQ(with("untrusted", R"("torn")"), "NOT TRUSTED: torn\n" + metrics);
+  EXPECT_EQ(with("partial", "null"), "partial\n" + metrics);
+  WriteTestFile(out_ / "summary.json", "{}");
+  EXPECT_THAT(ErrorOf({out_, truth_, false}), HasSubstr("summary.json: expected a summary"));
+}
+
 TEST_F(EvaluatePartTest, ComparesAsTheRunWasConfigured) {
   WriteTestFile(out_ / "config.yaml", "evaluation: {segment_m: 0.77}\n");
   const json metrics = json::parse(EvaluatePart({out_, truth_, true}));
