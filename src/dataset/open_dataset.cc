@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <set>
 #include <vector>
 
 #include "core/error.h"
@@ -33,6 +34,18 @@ fs::path AbsoluteFolder(const fs::path& folder) {
   return absolute.has_filename() ? absolute : absolute.parent_path();
 }
 
+// ", but PATH is one", for the first folder in it that is a data set; else nothing.
+std::string DatasetBelow(const fs::path& folder) {
+  std::set<fs::path> found;
+  for (const auto& entry : fs::directory_iterator(folder)) {
+    if (!entry.is_directory()) continue;
+    if (IsStereoFolder(entry.path()) || !FindKatwijkParts(entry.path()).empty()) {
+      found.insert(entry.path());
+    }
+  }
+  return found.empty() ? "" : fmt::format(", but {} is one", found.begin()->string());
+}
+
 DatasetFormat FindFormat(const DatasetRequest& request, const fs::path& folder) {
   if (request.format) {
     for (const auto format : {DatasetFormat::kKatwijk, DatasetFormat::kStereoFolder}) {
@@ -45,8 +58,8 @@ DatasetFormat FindFormat(const DatasetRequest& request, const fs::path& folder) 
   if (IsStereoFolder(folder)) return DatasetFormat::kStereoFolder;
   throw DataError(
       fmt::format("{}: expected a Katwijk root or part (Traverse<T>/Part<P>/LocCam, "
-                  "LocCam) or a stereo folder (left, right, times.txt), found neither",
-                  folder.string()));
+                  "LocCam) or a stereo folder (left, right, times.txt), found neither{}",
+                  folder.string(), DatasetBelow(folder)));
 }
 
 std::optional<fs::path> RigFileIn(const fs::path& folder) {

@@ -2,7 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cctype>
+#include <iterator>
+#include <set>
 #include <sstream>
 #include <string>
 
@@ -76,6 +79,19 @@ void RemarkOnNames(const std::vector<StereoFrame>& frames, DatasetHealth& health
                   count, frames.size(), first->left_path, first->right_path));
 }
 
+// "; FILE has no partner of its name", if missing partners alone make the numbers differ.
+std::string FirstAlone(const std::vector<fs::path>& left, const std::vector<fs::path>& right) {
+  const auto& more = left.size() > right.size() ? left : right;
+  const auto& fewer = left.size() > right.size() ? right : left;
+  std::set<fs::path> names;
+  for (const fs::path& path : fewer) names.insert(path.filename());
+  std::vector<fs::path> alone;
+  std::ranges::copy_if(more, std::back_inserter(alone),
+                       [&](const fs::path& path) { return !names.contains(path.filename()); });
+  if (alone.size() != more.size() - fewer.size() || alone.empty()) return "";
+  return fmt::format("; {} has no partner of its name", alone.front().string());
+}
+
 }  // namespace
 
 bool IsStereoFolder(const fs::path& folder) {
@@ -90,8 +106,8 @@ Dataset ReadStereoFolder(const fs::path& folder) {
   if (left.empty() || left.size() != right.size()) {
     throw DataError(
         fmt::format("{}: expected as many images in left/ as in right/, at least one, "
-                    "found {} and {}",
-                    folder.string(), left.size(), right.size()));
+                    "found {} and {}{}",
+                    folder.string(), left.size(), right.size(), FirstAlone(left, right)));
   }
   const fs::path times_path = folder / "times.txt";
   const auto times = ReadTimes(times_path);

@@ -135,7 +135,8 @@ TEST_F(OpenKatwijkTest, MasksMustHaveTheRigsSize) {
 
 TEST_F(OpenKatwijkTest, FoldersThatAreNoneAreRefused) {
   EXPECT_THAT(MessageOf<DataError>([&] { Open(folder_.Path() / "config"); }),
-              HasSubstr("found neither"));
+              EndsWith("found neither"));
+  EXPECT_THAT(MessageOf<DataError>([&] { Open(folder_.Path()); }), EndsWith("root is one"));
   EXPECT_THAT(MessageOf<DataError>([&] { Open(folder_.Path() / "none"); }),
               HasSubstr("expected a data set folder, found nothing"));
   EXPECT_THAT(MessageOf<DataError>([&] { Open(default_rig_); }), HasSubstr("found a file"));

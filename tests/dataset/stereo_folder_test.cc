@@ -57,7 +57,14 @@ TEST_F(StereoFolderTest, TruthIsFound) {
 
 TEST_F(StereoFolderTest, UnevenCountsAreNamed) {
   std::filesystem::remove(folder_.Path() / "right" / "002.png");
-  EXPECT_THAT(Complaint(), HasSubstr("found 3 and 2"));
+  EXPECT_THAT(Complaint(), AllOf(HasSubstr("found 3 and 2; "),
+                                 EndsWith("left/002.png has no partner of its name")));
+  // Names that differ throughout tell nothing.
+  for (const char* name : {"000", "001"}) {
+    std::filesystem::rename(folder_.Path() / "right" / (std::string(name) + ".png"),
+                            folder_.Path() / "right" / (std::string(name) + "_r.png"));
+  }
+  EXPECT_THAT(Complaint(), EndsWith("found 3 and 2"));
 }
 
 TEST_F(StereoFolderTest, MissingRightIsNamed) {
