@@ -49,9 +49,9 @@ OptionFields AdjustmentOptions::Fields() {
       {"shared_noise", &shared_noise, "", AtLeast(1.0),
        "Sigmas of poses and rig grow by this factor, beside what the residuals of whole tracks "
        "say: noise that all observations of a frame share (windows that are drawn aside by the "
-       "same perspective, relief within them) leaves no trace in residuals. Over 72 simulated "
-       "drives errors were 1.3 to 2.7 times the sigmas without it, by axis and size of the "
-       "images."},
+       "same perspective, relief within them) leaves no trace in residuals. With 2 the squared "
+       "errors of simulated drives, over the variances stated, are 0.5 to 1.1 by kind of drive "
+       "(tools/sigmas)."},
       {"max_depth_baselines", &max_depth_baselines, "baselines", MoreThan(0.0),
        "Points further away are left out: they have less than a pixel of disparity and hardly move "
        "the result."},
