@@ -1,0 +1,67 @@
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <string>
+#include <vector>
+
+#include "core/yaml.h"
+#include "dataset/rig_file.h"
+
+namespace rigmap {
+namespace {
+
+std::vector<double> UpperTriangle(const CalibrationMatrix& matrix) {
+  std::vector<double> numbers;
+  for (int row = 0; row < kCalibrationSize; ++row) {
+    for (int column = row; column < kCalibrationSize; ++column) {
+      numbers.push_back(matrix(row, column));
+    }
+  }
+  return numbers;
+}
+
+std::string FormatEye(const RigEye& eye) {
+  const Camera& camera = eye.camera;
+  std::string text = fmt::format(
+      "  model: {}\n  width: {}\n  height: {}\n  fx: {}\n  fy: {}\n  cx: {}\n  cy: {}\n"
+      "  distortion: [{}, {}, {}, {}]\n",
+      camera.IsPinhole() ? "PINHOLE" : "OPENCV", camera.width, camera.height, camera.fx, camera.fy,
+      camera.cx, camera.cy, camera.k1, camera.k2, camera.p1, camera.p2);
+  if (const auto& region = eye.calibrated_region) {
+    text += fmt::format("  calibrated_region: [{}, {}, {}, {}]\n", region->x0, region->y0,
+                        region->x1, region->y1);
+  }
+  if (!eye.mask_path.empty()) text += fmt::format("  mask: {}\n", QuoteYaml(eye.mask_path));
+  return text;
+}
+
+std::string FormatVector(const Eigen::Vector3d& vector) {
+  return fmt::format("[{}, {}, {}]", vector.x(), vector.y(), vector.z());
+}
+
+std::string FormatRigid(const Rigid3& motion) {
+  const Eigen::Matrix<double, 3, 3, Eigen::RowMajor> matrix = motion.rotation.toRotationMatrix();
+  return fmt::format("  R: [{}]\n  t: {}\n",
+                     fmt::join(matrix.data(), matrix.data() + matrix.size(), ", "),
+                     FormatVector(motion.translation));
+}
+
+}  // namespace
+
+std::string WriteRigFile(const StereoRig& rig) {
+  std::string text = fmt::format("left:\n{}right:\n{}right_from_left:\n{}", FormatEye(rig.left),
+                                 FormatEye(rig.right), FormatRigid(rig.right_from_left));
+  if (rig.antenna_in_left) {
+    text += fmt::format("antenna_in_left: {}\n", FormatVector(*rig.antenna_in_left));
+  }
+  if (rig.imu_from_left) text += fmt::format("imu_from_left:\n{}", FormatRigid(*rig.imu_from_left));
+  if (rig.baseline_sigma_m || rig.calibration_covariance) text += "sigmas:\n";
+  if (rig.baseline_sigma_m) text += fmt::format("  baseline_m: {}\n", *rig.baseline_sigma_m);
+  if (rig.calibration_covariance) {
+    text += fmt::format("  covariance: [{}]\n",
+                        fmt::join(UpperTriangle(*rig.calibration_covariance), ", "));
+  }
+  return text;
+}
+
+}  // namespace rigmap
