@@ -81,11 +81,9 @@ class PoseProblem {
     return information;
   }
 
-  // Squared distance in sigmas per seen eye; infinite behind a camera. As Linearise and Information
-  // would have it, without their matrices: samples by the hundred ask for nothing else.
+  // Squared distance in sigmas per seen eye; infinite behind a camera.
   double SquaredSigmas(const PointSighting& sighting, const Rigid3& motion) const {
-    const Eigen::Matrix3d turn = motion.rotation.toRotationMatrix();
-    return SquaredSigmas(sighting, turn, motion.translation);
+    return SquaredSigmas(sighting, motion, motion.rotation.toRotationMatrix());
   }
 
   double MaxSquared() const { return options_.max_sigmas * options_.max_sigmas; }
@@ -96,7 +94,7 @@ class PoseProblem {
     const Eigen::Matrix3d turn = motion.rotation.toRotationMatrix();
     double cost = 0.0;
     for (const auto& sighting : sightings_) {
-      cost += std::min(SquaredSigmas(sighting, turn, motion.translation), MaxSquared());
+      cost += std::min(SquaredSigmas(sighting, motion, turn), MaxSquared());
       if (cost >= enough) break;
     }
     return cost;
@@ -148,10 +146,17 @@ class PoseProblem {
   }
 
  private:
-  double SquaredSigmas(const PointSighting& sighting, const Eigen::Matrix3d& turn,
-                       const Eigen::Vector3d& translation) const {
+  // `turn` is that of `motion`. Where only the depth is shared, without the matrices of Linearise
+  // and Information: samples by the hundred ask for nothing else.
+  double SquaredSigmas(const PointSighting& sighting, const Rigid3& motion,
+                       const Eigen::Matrix3d& turn) const {
+    if (reference_noise_ > 0.0) {
+      const auto at = Linearise(sighting, motion);
+      if (!at) return std::numeric_limits<double>::infinity();
+      return at->residual.dot(Information(*at) * at->residual) / (sighting.right ? 2.0 : 1.0);
+    }
     const Eigen::Vector3d turned = turn * sighting.x_in_reference;
-    const Eigen::Vector3d in_left = turned + translation;
+    const Eigen::Vector3d in_left = turned + motion.translation;
     const Eigen::Vector3d in_right = right_turn_ * in_left + rig_.right_from_left.translation;
     if (!(in_left.z() > 0.0) || !(in_right.z() > 0.0)) {
       return std::numeric_limits<double>::infinity();

@@ -17,6 +17,7 @@ struct Setting {
   int count = 200;
   double noise_px = 0.0;            // of each sighting
   double disparity_noise_px = 0.0;  // of the reference's points
+  double reference_noise_px = 0.0;  // of their keypoints
   double nearest_m = 1.0, furthest_m = 6.0;
   double right_share = 0.8;  // of the sightings that the right eye makes too
   bool planar = false;
@@ -45,6 +46,8 @@ PointSighting Sight(const Rigid3& motion, const StereoRig& rig, const Setting& s
   const double disparity_px = focal * rig.Baseline() / x.z();
   const double measured_px = disparity_px + random.Normal(setting.disparity_noise_px);
   sighting.x_in_reference = x * (disparity_px / std::max(measured_px, 1e-3));
+  sighting.x_in_reference.head<2>() +=
+      sighting.x_in_reference.z() * random.Noise(setting.reference_noise_px / focal).head<2>();
   const Eigen::Vector3d& found = sighting.x_in_reference;
   sighting.depth_sigma_m =
       found.z() * found.norm() / (focal * rig.Baseline()) * setting.disparity_noise_px;
@@ -174,6 +177,33 @@ TEST(EstimateStereoPose, CovarianceIsHonestWithoutRightSightings) {
   const Setting setting{
       .noise_px = kOptions.noise_px, .disparity_noise_px = 0.15, .right_share = 0.0};
   EXPECT_NEAR(MeanSquaredNormalisedError(setting, random), 6.0, 0.2 * 6.0);
+}
+
+// Where the reference's keypoints are as noisy as the sightings.
+TEST(EstimateStereoPose, NoiseThatBothEyesShareIsCounted) {
+  SeededRandom random;
+  const StereoRig rig = LocCamRig();
+  StereoPoseOptions options;
+  options.reference_noise_px = options.noise_px;
+  options.max_sigmas = 2.0;
+  const Setting setting{.noise_px = options.noise_px,
+                        .disparity_noise_px = 0.15,
+                        .reference_noise_px = options.noise_px,
+                        .right_share = 1.0};
+  constexpr int kTrials = 100;
+  double squares = 0.0, inliers = 0.0;
+  for (int trial = 0; trial < kTrials; ++trial) {
+    const Rigid3 truth = RoverStep(random);
+    const auto pose =
+        EstimateStereoPose(SightAll(truth, rig, setting, random), rig, std::array{truth}, options);
+    ASSERT_TRUE(pose) << trial;
+    const Vector6d error = Error(pose->current_from_reference, truth);
+    squares += error.dot(pose->covariance.ldlt().solve(error)) / kTrials;
+    inliers += static_cast<double>(pose->inlier_count) / (kTrials * setting.count);
+  }
+  // Chi-square of the four coordinates, at twice the square of two sigmas.
+  EXPECT_NEAR(inliers, 1.0 - std::exp(-4.0) * (1.0 + 4.0), 0.02);
+  EXPECT_NEAR(squares, 6.0, 0.3 * 6.0);
 }
 
 TEST(EstimateStereoPose, RefusesWhatIsRandom) {
