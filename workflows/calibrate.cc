@@ -3,70 +3,190 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
+#include <set>
+
 #include "adjustment/pool_calibrations.h"
 #include "core/error.h"
 #include "core/file.h"
 #include "core/job.h"
 #include "dataset/rig_file.h"
+#include "workflows/rig_prior.h"
 #include "workflows/stages/calibration_output.h"
 
 namespace rigmap {
 namespace {
 
-struct Pool {
-  StereoRig rig;  // as the file of all of them gave it
-  std::vector<std::string> names;
-  std::vector<CalibrationWitness> witnesses;
+struct GivenPart {
+  std::string name;
+  PartCalibration calibration;
 };
 
-Pool ReadPool(const std::vector<std::filesystem::path>& outs) {
-  Pool pool;
-  std::string first;
+struct Pool {
+  StereoRig start;  // before any part was seen; all is told as a correction of it
+  StereoRig base;   // what the parts below add to
+  std::vector<RigWithoutPart> earlier;  // whose folders are not given, and which base contains
+  std::vector<GivenPart> parts;
+};
+
+const StereoRig& StartOf(const PooledRig& given) {
+  return given.pool ? given.pool->start : given.rig;
+}
+
+// Rotations are written to rounding.
+bool IsSameRig(const StereoRig& a, const StereoRig& b) {
+  constexpr double kRounding = 1e-9;
+  const auto& known = a.calibration_covariance;
+  return a.left.camera.width == b.left.camera.width &&
+         CorrectionBetween(a, b).cwiseAbs().maxCoeff() < kRounding &&
+         a.right_from_left.translation.isApprox(b.right_from_left.translation, kRounding) &&
+         known.has_value() == b.calibration_covariance.has_value() &&
+         (!known || known->isApprox(*b.calibration_covariance, kRounding));
+}
+
+std::vector<GivenPart> ReadParts(const std::vector<std::filesystem::path>& outs) {
+  std::vector<GivenPart> parts;
   for (const std::filesystem::path& out : outs) {
-    const auto part = ReadCalibration(out);
+    auto part = ReadCalibration(out);
     if (!part) {
       spdlog::warn("{}: tells nothing of its rig: too short a way, or too few frames",
                    out.string());
       continue;
     }
-    const std::string text = WriteRigFile(part->rig);
-    if (first.empty()) first = text;
-    if (text != first) {
-      throw DataError(fmt::format("{}: expected a part made with the rig file of {}, found another",
-                                  out.string(), pool.names.front()));
+    parts.push_back({out.string(), std::move(*part)});
+  }
+  if (parts.empty()) throw DataError("expected a part that tells something of its rig, found none");
+  return parts;
+}
+
+// One rig at the root of all, and no image twice.
+void RequireCommensurable(const std::vector<GivenPart>& parts) {
+  for (const GivenPart& part : parts) {
+    const GivenPart& first = parts.front();
+    if (!IsSameRig(StartOf(part.calibration.given), StartOf(first.calibration.given))) {
+      throw DataError(
+          fmt::format("{}: expected a part made with the rig file of {} or one pooled "
+                      "from it, found another",
+                      part.name, first.name));
     }
-    pool.rig = part->rig;
-    pool.names.push_back(out.string());
-    pool.witnesses.push_back({part->correction, part->equations});
+    for (const GivenPart* other = &first; other != &part; ++other) {
+      const int shared = SharedFrames(other->calibration.frames, part.calibration.frames);
+      if (shared == 0) continue;
+      throw DataError(
+          fmt::format("{}: expected frames that no other part holds, found {} of {}: "
+                      "they would count twice",
+                      part.name, shared, other->name));
+    }
   }
-  if (pool.names.empty()) {
-    throw DataError("expected a part that tells something of its rig, found none");
+}
+
+// Whether all parts began with the whole of one pool, which contains none of them.
+bool AddToOnePool(const std::vector<GivenPart>& parts) {
+  const PooledRig& first = parts.front().calibration.given;
+  return first.pool && std::ranges::all_of(parts, [&](const GivenPart& part) {
+           const PooledRig& given = part.calibration.given;
+           return given.pool && IsSameRig(given.rig, first.rig) &&
+                  given.pool->parts.size() == first.pool->parts.size() &&
+                  !WithoutPart(given, part.calibration.frames);
+         });
+}
+
+// What parts of earlier pools told is lost where not all that is given adds to one of them.
+void SayWhatIsLost(const std::vector<GivenPart>& parts) {
+  std::set<std::vector<std::string>> lost;
+  for (const GivenPart& part : parts) {
+    if (!part.calibration.given.pool) continue;
+    for (const RigWithoutPart& earlier : part.calibration.given.pool->parts) {
+      if (std::ranges::none_of(parts, [&](const GivenPart& given) {
+            return SharedFrames(earlier.frames, given.calibration.frames) > 0;
+          })) {
+        lost.insert(earlier.frames);
+      }
+    }
   }
-  if (pool.names.size() == 1) {
+  if (lost.empty()) return;
+  spdlog::warn(
+      "the pool begins anew from the first rig file: what {} earlier parts told is not in "
+      "it; name their folders as well",
+      lost.size());
+}
+
+Pool ReadPool(const std::vector<std::filesystem::path>& outs) {
+  Pool pool;
+  pool.parts = ReadParts(outs);
+  RequireCommensurable(pool.parts);
+  const PooledRig& first = pool.parts.front().calibration.given;
+  pool.start = pool.base = StartOf(first);
+  if (AddToOnePool(pool.parts)) {
+    pool.base = first.rig;
+    pool.earlier = first.pool->parts;
+  } else {
+    SayWhatIsLost(pool.parts);
+  }
+  if (pool.parts.size() + pool.earlier.size() == 1) {
     spdlog::warn(
         "{} alone tells of the rig: its file is for other parts, and helps this one nothing",
-        pool.names.front());
+        pool.parts.front().name);
   }
   return pool;
 }
 
+// What the parts say, as corrections of another rig than they were given.
+std::vector<CalibrationWitness> WitnessesOf(const StereoRig& base,
+                                            const std::vector<GivenPart>& parts) {
+  std::vector<CalibrationWitness> witnesses;
+  for (const GivenPart& part : parts) {
+    const auto& [given, frames, correction, equations] = part.calibration;
+    witnesses.push_back({CorrectionBetween(base, Corrected(given.rig, correction)), equations});
+  }
+  return witnesses;
+}
+
+[[noreturn]] void ThrowSingular() {
+  throw DataError("expected parts that tell a calibration, found them singular");
+}
+
+// Each part's prior, should it be run again: the pool without it.
+RigPool Contributions(const Pool& pool, const PooledCalibration& calibration,
+                      const AdjustmentOptions& options) {
+  RigPool contributions{pool.start, {}};
+  for (const RigWithoutPart& part : pool.earlier) {
+    const StereoRig without = RigWithout({pool.start, {}}, part);
+    const auto found =
+        PooledCorrection(WitnessesOf(without, pool.parts), PriorOf(without, options), options);
+    if (!found) ThrowSingular();
+    contributions.parts.push_back(
+        {part.frames, CorrectionBetween(pool.start, Corrected(without, found->correction)),
+         found->covariance});
+  }
+  for (std::size_t i = 0; i < pool.parts.size(); ++i) {
+    const ProbableCorrection& without = calibration.parts[i].without;
+    const bool has_others = pool.parts.size() > 1;
+    contributions.parts.push_back(
+        {pool.parts[i].calibration.frames,
+         CorrectionBetween(pool.start, Corrected(pool.base, without.correction)),
+         has_others ? without.covariance : pool.base.calibration_covariance});
+  }
+  return contributions;
+}
+
 std::string Table(const Pool& pool, const PooledCalibration& calibration) {
-  const StereoRig pooled = Corrected(pool.rig, calibration.pooled.correction);
+  const StereoRig pooled = Corrected(pool.base, calibration.pooled.correction);
   std::string table = fmt::format(
       "corrected: {}; largest shift in the right image {:.2f} px, disparity at infinity {:+.3f} "
       "px\n"
       "{:32} {:>12} {:>12} {:>12}\n",
-      NameOf(calibration.refined), LargestShiftPx(pool.rig, pooled),
-      DisparityAtInfinity(pooled) - DisparityAtInfinity(pool.rig), "part", "infinity px",
+      NameOf(calibration.refined), LargestShiftPx(pool.base, pooled),
+      DisparityAtInfinity(pooled) - DisparityAtInfinity(pool.base), "part", "infinity px",
       "others px", "difference");
-  for (std::size_t i = 0; i < pool.names.size(); ++i) {
+  for (std::size_t i = 0; i < pool.parts.size(); ++i) {
     const WitnessComparison& part = calibration.parts[i];
     const auto infinity_px = [&](const ProbableCorrection& correction) {
-      return DisparityAtInfinity(Corrected(pool.rig, correction.correction)) -
-             DisparityAtInfinity(pool.rig);
+      return DisparityAtInfinity(Corrected(pool.base, correction.correction)) -
+             DisparityAtInfinity(pool.base);
     };
     table +=
-        fmt::format("{:32} {:>+12.3f} {:>+12.3f} {:>12.2f}\n", pool.names[i],
+        fmt::format("{:32} {:>+12.3f} {:>+12.3f} {:>12.2f}\n", pool.parts[i].name,
                     infinity_px(part.alone), infinity_px(part.others), part.square_per_parameter);
   }
   return table +
@@ -77,15 +197,15 @@ std::string Table(const Pool& pool, const PooledCalibration& calibration) {
 std::string CalibrateNow(const CalibrateRequest& request) {
   const Pool pool = ReadPool(request.outs);
   const AdjustmentOptions options;
-  const auto calibration = PoolCalibrations(pool.witnesses, PriorOf(pool.rig, options), options);
-  if (!calibration) throw DataError("expected parts that tell a calibration, found them singular");
-  StereoRig rig = Corrected(pool.rig, calibration->pooled.correction);
-  rig.calibration_covariance = calibration->pooled.covariance;
+  const auto calibration =
+      PoolCalibrations(WitnessesOf(pool.base, pool.parts), PriorOf(pool.base, options), options);
+  if (!calibration) ThrowSingular();
+  PooledRig pooled{Corrected(pool.base, calibration->pooled.correction),
+                   Contributions(pool, *calibration, options)};
+  pooled.rig.calibration_covariance = calibration->pooled.covariance;
   WriteFileAtomically(request.rig_out, [&](std::ostream& stream) {
-    stream << fmt::format(
-                  "# A rig as {} parts tell it together. For other parts of the same rig.\n",
-                  pool.names.size())
-           << WriteRigFile(rig);
+    stream << fmt::format("# A rig as {} parts tell it together.\n", pooled.pool->parts.size())
+           << WritePooledRigFile(pooled);
   });
   return Table(pool, *calibration);
 }

@@ -15,6 +15,7 @@
 #include "workflows/mark_outputs.h"
 #include "workflows/output_folder.h"
 #include "workflows/part_summary.h"
+#include "workflows/rig_prior.h"
 #include "workflows/stages/database.h"
 
 namespace rigmap {
@@ -73,7 +74,14 @@ struct KnownInput {
   DatasetContent content;
 
   KnownInput(Dataset opened, const fs::path& remembered)
-      : dataset(std::move(opened)), hashes(remembered), content(HashContent(dataset, hashes)) {}
+      : dataset(std::move(opened)), hashes(remembered), content(HashContent(dataset, hashes)) {
+    const auto prior = WithoutPart({dataset.rig, dataset.rig_pool}, content.images);
+    if (!prior) return;
+    dataset.rig = prior->rig;
+    content.rig = HashRig(dataset, hashes);
+    spdlog::info("{}", prior->remark);
+    dataset.health.remarks.push_back(prior->remark);
+  }
 };
 
 Ledger RunRecipe(const PartRequest& request, const fs::path& root, const KnownInput& input,

@@ -35,7 +35,7 @@ StageGraph RigRecipe(const Dataset& data, const DatasetContent& data_content,
   const InTurn starts{StartingFrom::kMapping, StartingFrom::kOdometry};
   const auto adjusted =
       g.AddStage(RigAdjustment(), Reading(starts, o.adjustment, o.odometry, o.gates.adjustment),
-                 dataset, features, odometry, matches, graph, aligned);
+                 dataset, content, features, odometry, matches, graph, aligned);
   const auto gates =
       g.AddCheck(AdjustedGates(),
                  Reading(o.gates.mapping, o.gates.poses, o.gates.adjustment, o.gates.calibration),

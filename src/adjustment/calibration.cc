@@ -86,6 +86,21 @@ StereoRig Corrected(const StereoRig& rig, const CalibrationVector& correction) {
   return corrected;
 }
 
+CalibrationVector CorrectionBetween(const StereoRig& from, const StereoRig& to) {
+  CalibrationVector correction;
+  correction.segment<3>(kRotationX) =
+      LogRotation(to.right_from_left.rotation * from.right_from_left.rotation.conjugate());
+  const auto between = [&](const Camera& a, const Camera& b, int centre, int k1) {
+    correction.segment<2>(centre) << b.cx - a.cx, b.cy - a.cy;
+    correction.segment<4>(k1) << b.k1 - a.k1, b.k2 - a.k2, b.p1 - a.p1, b.p2 - a.p2;
+    return std::log(b.fx / a.fx);
+  };
+  correction(kLogFocal) = between(from.left.camera, to.left.camera, kLeftCx, kLeftK1);
+  correction(kLogRightFocal) =
+      between(from.right.camera, to.right.camera, kRightCx, kRightK1) - correction(kLogFocal);
+  return correction;
+}
+
 std::optional<CalibrationStep> RotationAndFocalStep(const CalibrationEquations& equations) {
   const Eigen::Matrix4d information = equations.information.topLeftCorner<4, 4>();
   const Eigen::LDLT<Eigen::Matrix4d> solver(information);

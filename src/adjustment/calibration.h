@@ -11,6 +11,8 @@
 namespace rigmap {
 
 StereoRig Corrected(const StereoRig& rig, const CalibrationVector& correction);
+// The correction that makes `to` of `from`, where there is one.
+CalibrationVector CorrectionBetween(const StereoRig& from, const StereoRig& to);
 
 // The step that rotation and common focal factor would take together, all else held. Its sigmas are
 // inflated as those of poses are, because residuals of one track are correlated; errors that a

@@ -23,30 +23,57 @@ CalibrationEquations EquationsAt(const CalibrationVector& correction,
   return sum;
 }
 
+struct Estimate {
+  RigRefinement refined = RigRefinement::kNone;
+  ProbableCorrection found;
+};
+
+std::optional<Estimate> EstimateOf(const std::vector<CalibrationWitness>& parts,
+                                   const CalibrationWitness* left_out,
+                                   const CalibrationPrior& prior,
+                                   const AdjustmentOptions& counted) {
+  Estimate estimate;
+  CalibrationVector correction = CalibrationVector::Zero();
+  for (bool settled = false; !settled;) {
+    const CalibrationEquations equations = EquationsAt(correction, parts, left_out);
+    const RigRefinement next =
+        NextRefinement(estimate.refined, correction, equations, prior, counted);
+    settled = next == estimate.refined || counted.refine_rig != RigRefinement::kAuto;
+    estimate.refined = next;
+    const auto probable = MostProbable(next, correction, equations, prior, counted);
+    if (!probable) return std::nullopt;
+    correction = probable->correction;
+  }
+  estimate.found = {correction,
+                    CalibrationError(estimate.refined, correction,
+                                     EquationsAt(correction, parts, left_out), prior, counted)};
+  return estimate;
+}
+
+// What the parts say is as sure as it is: their correlations have been counted.
+AdjustmentOptions Counted(const AdjustmentOptions& options) {
+  AdjustmentOptions counted = options;
+  counted.shared_noise = 1.0;
+  return counted;
+}
+
 }  // namespace
+
+std::optional<ProbableCorrection> PooledCorrection(const std::vector<CalibrationWitness>& parts,
+                                                   const CalibrationPrior& prior,
+                                                   const AdjustmentOptions& options) {
+  const auto estimate = EstimateOf(parts, nullptr, prior, Counted(options));
+  return estimate ? std::optional(estimate->found) : std::nullopt;
+}
 
 std::optional<PooledCalibration> PoolCalibrations(const std::vector<CalibrationWitness>& parts,
                                                   const CalibrationPrior& prior,
                                                   const AdjustmentOptions& options) {
-  // What the parts say is as sure as it is: their correlations have been counted.
-  AdjustmentOptions counted = options;
-  counted.shared_noise = 1.0;
-  PooledCalibration result;
-  CalibrationVector correction = CalibrationVector::Zero();
-  for (bool settled = false; !settled;) {
-    const CalibrationEquations equations = EquationsAt(correction, parts);
-    const RigRefinement next =
-        NextRefinement(result.refined, correction, equations, prior, counted);
-    settled = next == result.refined;
-    result.refined = next;
-    const auto probable = MostProbable(next, correction, equations, prior, counted);
-    if (!probable) return std::nullopt;
-    correction = probable->correction;
-    settled = settled || options.refine_rig != RigRefinement::kAuto;
-  }
-  const CalibrationEquations equations = EquationsAt(correction, parts);
-  result.pooled = {correction,
-                   CalibrationError(result.refined, correction, equations, prior, counted)};
+  const AdjustmentOptions counted = Counted(options);
+  const auto pooled = EstimateOf(parts, nullptr, prior, counted);
+  if (!pooled) return std::nullopt;
+  PooledCalibration result{pooled->refined, pooled->found, {}};
+  const CalibrationVector& correction = result.pooled.correction;
   // Parts that contradict each other confirm nothing together: then all but the focal length is
   // compared.
   const RigRefinement compared =
@@ -56,8 +83,9 @@ std::optional<PooledCalibration> PoolCalibrations(const std::vector<CalibrationW
         MostProbable(compared, correction, EquationsAt(correction, {part}), prior, counted);
     const auto others =
         MostProbable(compared, correction, EquationsAt(correction, parts, &part), prior, counted);
-    if (!alone || !others) return std::nullopt;
-    WitnessComparison comparison{*alone, *others, 0.0};
+    const auto without = EstimateOf(parts, &part, prior, counted);
+    if (!alone || !others || !without) return std::nullopt;
+    WitnessComparison comparison{*alone, *others, 0.0, without->found};
     CalibrationMatrix both = alone->covariance + others->covariance;
     const auto freed = static_cast<double>((both.diagonal().array() > 0.0).count());
     for (int i = 0; i < kCalibrationSize; ++i) {

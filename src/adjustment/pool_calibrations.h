@@ -21,6 +21,9 @@ struct WitnessComparison {
   // Square of the difference in units of what both leave unknown, per free parameter: 1 is expected
   // of the same rig, and little more than 1.6 (95 % of 17 parameters).
   double square_per_parameter = 0.0;
+  // The rig for this part: what PoolCalibrations finds without it. Of all parameters, as the pool's
+  // own; the prior's where there are no others.
+  ProbableCorrection without;
 };
 
 struct PooledCalibration {
@@ -28,6 +31,12 @@ struct PooledCalibration {
   ProbableCorrection pooled;  // of all parameters: what is held counts in the covariance as well
   std::vector<WitnessComparison> parts;
 };
+
+// The correction that the parts tell, and what of all parameters they leave unknown under the
+// prior; of no parts, none. Nothing where the equations are singular.
+std::optional<ProbableCorrection> PooledCorrection(const std::vector<CalibrationWitness>& parts,
+                                                   const CalibrationPrior& prior,
+                                                   const AdjustmentOptions& options);
 
 // The most probable correction of the rig file given what all parts say, stretches of all of them
 // being left out in turn as in one part. The prior counts once. Nothing where the equations are

@@ -21,8 +21,8 @@ std::string Where(const std::string& name, const YAML::Mark& mark) {
 // An alias may lead back to the node that holds it: what is nested deeper is refused.
 constexpr int kMaxDepth = 20;
 // Aliases of aliases make billions of values out of a few hundred bytes. The largest file that is
-// ours holds some hundred.
-constexpr std::size_t kMaxNodes = 10'000;
+// ours is the rig of a pool: two hundred for each of its parts.
+constexpr std::size_t kMaxNodes = 100'000;
 
 // Copies a document; a value counts as often as aliases repeat it.
 class Conversion {

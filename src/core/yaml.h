@@ -35,7 +35,7 @@ struct YamlNode {
 };
 
 // Throws DataError when the file is missing, is not YAML, repeats a key, is nested deeper than 20
-// or holds more than 10,000 values, those that aliases repeat counted each time.
+// or holds more than 100,000 values, those that aliases repeat counted each time.
 YamlNode ReadYaml(const std::filesystem::path& path);
 // `name` stands for the file in messages.
 YamlNode ParseYaml(const std::string& text, const std::string& name);

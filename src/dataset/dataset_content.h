@@ -10,9 +10,13 @@
 namespace rigmap {
 
 struct DatasetContent {
-  std::string rig;                  // changes with any value of the rig or pixel of its masks
+  // Changes with any value of the rig, of its pool, or pixel of its masks.
+  std::string rig;
   std::vector<std::string> frames;  // each with its stamp and any byte of its images
-  std::string inclinometer;         // with the readings beside the frames
+  // Each with the bytes of its images only, whatever its stamp, folder and name: twelve hexadecimal
+  // digits. Empty where both images are the same bytes: such are black or white, in any drive.
+  std::vector<std::string> images;
+  std::string inclinometer;  // with the readings beside the frames
 
   std::string Key() const;  // of all that
   // Of the frames alone: the same for two results that can be compared or continued.
@@ -23,6 +27,11 @@ struct DatasetContent {
 // evaluation may depend on it. Throws DataError when a file is gone.
 DatasetContent HashContent(const Dataset& dataset, FileHashes& hashes);
 
+// Again the hash of the rig alone, after it has changed.
+std::string HashRig(const Dataset& dataset, FileHashes& hashes);
+
+// The rig without the files of this machine that it names.
+StereoRig WithoutMasks(const StereoRig& rig);
 // The values of a rig as text: without its file's name and its masks.
 std::string DescribeRig(const StereoRig& rig);
 

@@ -127,15 +127,15 @@ Opened OpenStereo(const DatasetRequest& request, const fs::path& folder) {
   return {ReadStereoFolder(folder), {folder}, {}, {}};
 }
 
-StereoRig ReadRig(const DatasetRequest& request, const Opened& opened) {
+PooledRig ReadRig(const DatasetRequest& request, const Opened& opened) {
   fs::path path = FindRigFile(request, opened.rig_folders);
   if (path.empty()) path = opened.default_rig;
   if (path.empty()) {
     throw DataError(fmt::format("{}: expected calib.yaml or rig.yaml, found neither",
                                 opened.rig_folders.front().string()));
   }
-  StereoRig rig = ReadRigFile(path);
-  spdlog::info("rig: {}, baseline {:.6f} m", path.string(), rig.Baseline());
+  PooledRig rig = ReadPooledRigFile(path);
+  spdlog::info("rig: {}, baseline {:.6f} m", path.string(), rig.rig.Baseline());
   return rig;
 }
 
@@ -224,7 +224,9 @@ Dataset OpenDataset(const DatasetRequest& request) {
                       ? OpenKatwijk(request, folder)
                       : OpenStereo(request, folder);
   Dataset& dataset = opened.dataset;
-  dataset.rig = ReadRig(request, opened);
+  PooledRig rig = ReadRig(request, opened);
+  dataset.rig = std::move(rig.rig);
+  dataset.rig_pool = std::move(rig.pool);
   DecideSampleBits(dataset.rig, dataset.frames);  // of the part, whichever frames are asked for
   if (request.frames) KeepFrames(*request.frames, dataset.frames);
   if (!opened.imu_path.empty()) {

@@ -1,5 +1,3 @@
-#include "dataset/rig_file.h"
-
 #include <fmt/format.h>
 
 #include <Eigen/Cholesky>
@@ -11,6 +9,7 @@
 
 #include "core/error.h"
 #include "core/yaml.h"
+#include "dataset/internal/rig_nodes.h"
 
 namespace rigmap {
 namespace {
@@ -173,25 +172,6 @@ double ReadSigma(const YamlNode& node) {
   return sigma;
 }
 
-CalibrationMatrix ReadCovariance(const YamlNode& node) {
-  constexpr int kNumbers = kCalibrationSize * (kCalibrationSize + 1) / 2;
-  const auto numbers = node.AsDoubles(kNumbers);
-  CalibrationMatrix covariance;
-  auto next = numbers.begin();
-  for (int row = 0; row < kCalibrationSize; ++row) {
-    for (int column = row; column < kCalibrationSize; ++column) {
-      covariance(row, column) = covariance(column, row) = *next++;
-    }
-  }
-  // Scaled, since its parameters are of very different size.
-  const CalibrationVector scale = covariance.diagonal().cwiseSqrt().cwiseInverse();
-  const CalibrationMatrix correlations = scale.asDiagonal() * covariance * scale.asDiagonal();
-  if (!correlations.allFinite() || correlations.llt().info() != Eigen::Success) {
-    throw Complaint(node, "expected a covariance, found a matrix that is not positive definite");
-  }
-  return covariance;
-}
-
 Rigid3 ReadRigid(const YamlNode& node) {
   node.RequireKeys({"R", "t"});
   return {ReadRotation(node.At("R")), ReadVector(node.At("t"))};
@@ -235,9 +215,30 @@ void CheckRectified(const YamlNode& root, const Rigid3& right_from_left) {
   }
 }
 
-StereoRig ReadRig(const YamlNode& root, const std::filesystem::path& path) {
+}  // namespace
+
+CalibrationMatrix ReadCovariance(const YamlNode& node) {
+  constexpr int kNumbers = kCalibrationSize * (kCalibrationSize + 1) / 2;
+  const auto numbers = node.AsDoubles(kNumbers);
+  CalibrationMatrix covariance;
+  auto next = numbers.begin();
+  for (int row = 0; row < kCalibrationSize; ++row) {
+    for (int column = row; column < kCalibrationSize; ++column) {
+      covariance(row, column) = covariance(column, row) = *next++;
+    }
+  }
+  // Scaled, since its parameters are of very different size.
+  const CalibrationVector scale = covariance.diagonal().cwiseSqrt().cwiseInverse();
+  const CalibrationMatrix correlations = scale.asDiagonal() * covariance * scale.asDiagonal();
+  if (!correlations.allFinite() || correlations.llt().info() != Eigen::Success) {
+    throw Complaint(node, "expected a covariance, found a matrix that is not positive definite");
+  }
+  return covariance;
+}
+
+StereoRig ReadRigNode(const YamlNode& root, const std::filesystem::path& path) {
   root.RequireKeys({"left", "right", "right_from_left", "baseline_m", "rectified",
-                    "antenna_in_left", "imu_from_left", "sigmas"});
+                    "antenna_in_left", "imu_from_left", "sigmas", "pool"});
   StereoRig rig;
   rig.source = path.string();
   rig.left = ReadEye(root.At("left"), path.parent_path());
@@ -259,14 +260,6 @@ StereoRig ReadRig(const YamlNode& root, const std::filesystem::path& path) {
     }
   }
   return rig;
-}
-
-}  // namespace
-
-StereoRig ReadRigFile(const std::filesystem::path& path) { return ReadRig(ReadYaml(path), path); }
-
-StereoRig ParseRigFile(const std::string& text, const std::filesystem::path& name) {
-  return ReadRig(ParseYaml(text, name.string()), name);
 }
 
 }  // namespace rigmap

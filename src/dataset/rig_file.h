@@ -15,12 +15,18 @@
 //   sigmas             optional: baseline_m, one standard deviation of the baseline's length; and
 //                      covariance, that of a correction of this rig (scene/calibration.h), 153
 //                      numbers: the upper triangle, row by row
+//   pool               optional, written by `rigmap calibrate` (scene/rig_pool.h):
+//                      start  the rig before any part was seen, with the keys above
+//                      parts  a list: frames, keys of the part's frames (DatasetContent::images)
+//                             with blanks between; of the rig as all other parts tell it the
+//                             correction of start, 17 numbers, and the covariance, as above
 #pragma once
 
 #include <filesystem>
 #include <string>
 
 #include "scene/rig.h"
+#include "scene/rig_pool.h"
 
 namespace rigmap {
 
@@ -35,5 +41,10 @@ StereoRig ParseRigFile(const std::string& text, const std::filesystem::path& nam
 
 // Text that ReadRigFile reads back to the same rig (rotations to rounding).
 std::string WriteRigFile(const StereoRig& rig);
+
+// These three with the file's pool, if it has one.
+PooledRig ReadPooledRigFile(const std::filesystem::path& path);
+PooledRig ParsePooledRigFile(const std::string& text, const std::filesystem::path& name);
+std::string WritePooledRigFile(const PooledRig& rig);
 
 }  // namespace rigmap

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/yaml.h"
+#include "dataset/internal/rig_nodes.h"
 #include "dataset/rig_file.h"
 
 namespace rigmap {
@@ -48,6 +49,10 @@ std::string FormatRigid(const Rigid3& motion) {
 
 }  // namespace
 
+std::string FormatCovariance(const CalibrationMatrix& covariance) {
+  return fmt::format("[{}]", fmt::join(UpperTriangle(covariance), ", "));
+}
+
 std::string WriteRigFile(const StereoRig& rig) {
   std::string text = fmt::format("left:\n{}right:\n{}right_from_left:\n{}", FormatEye(rig.left),
                                  FormatEye(rig.right), FormatRigid(rig.right_from_left));
@@ -58,8 +63,7 @@ std::string WriteRigFile(const StereoRig& rig) {
   if (rig.baseline_sigma_m || rig.calibration_covariance) text += "sigmas:\n";
   if (rig.baseline_sigma_m) text += fmt::format("  baseline_m: {}\n", *rig.baseline_sigma_m);
   if (rig.calibration_covariance) {
-    text += fmt::format("  covariance: [{}]\n",
-                        fmt::join(UpperTriangle(*rig.calibration_covariance), ", "));
+    text += fmt::format("  covariance: {}\n", FormatCovariance(*rig.calibration_covariance));
   }
   return text;
 }

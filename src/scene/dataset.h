@@ -8,6 +8,7 @@
 
 #include "core/stamp.h"
 #include "scene/rig.h"
+#include "scene/rig_pool.h"
 #include "scene/survey.h"
 
 namespace rigmap {
@@ -64,6 +65,7 @@ constexpr std::string_view Name(DatasetFormat format) {
 struct Dataset {
   DatasetFormat format = DatasetFormat::kStereoFolder;
   StereoRig rig;
+  std::optional<RigPool> rig_pool;               // where the rig's file is of one
   std::vector<StereoFrame> frames;               // strictly increasing stamps
   std::vector<InclinometerSample> inclinometer;  // about one per frame, averaged around its stamp
   std::string truth_path;                        // a TUM file that came with the data; empty: none

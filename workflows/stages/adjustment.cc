@@ -103,11 +103,11 @@ AdjustedPart AdjustInTurn(const Adjuster& adjuster, const InTurn<StartingFrom>& 
   return kept;
 }
 
-AdjustedPart MakeAdjusted(const StageContext&, const Dataset& dataset, const FeatureStore& features,
-                          const Odometry& odometry, const Correspondences& matches,
-                          const KeyframeGraph& graph, const AlignedKeyframes& aligned,
-                          const InTurn<StartingFrom>& ways, const AdjustmentOptions& options,
-                          const OdometryOptions& odometry_options,
+AdjustedPart MakeAdjusted(const StageContext&, const Dataset& dataset, const DatasetContent&,
+                          const FeatureStore& features, const Odometry& odometry,
+                          const Correspondences& matches, const KeyframeGraph& graph,
+                          const AlignedKeyframes& aligned, const InTurn<StartingFrom>& ways,
+                          const AdjustmentOptions& options, const OdometryOptions& odometry_options,
                           const AdjustmentGateOptions& gates) {
   std::vector<std::optional<Rigid3>> mapped(odometry.size());
   for (std::size_t k = 0; k < graph.keyframes.size(); ++k) {
@@ -119,12 +119,13 @@ AdjustedPart MakeAdjusted(const StageContext&, const Dataset& dataset, const Fea
 }
 
 void PublishAdjusted(Publication& publication, const StageContext&, const AdjustedPart& part,
-                     const Dataset& dataset, const FeatureStore&, const Odometry&,
-                     const Correspondences&, const KeyframeGraph&, const AlignedKeyframes&) {
+                     const Dataset& dataset, const DatasetContent& content, const FeatureStore&,
+                     const Odometry&, const Correspondences&, const KeyframeGraph&,
+                     const AlignedKeyframes&) {
   const Adjustment& adjustment = part.adjustment;
   PublishSparse(MakeSparseOutput(dataset, adjustment, part.world_from_gauge), dataset, publication);
   PublishTrajectory(adjustment.rig, part.trajectory, publication);
-  PublishCalibration(dataset.rig, adjustment, publication);
+  PublishCalibration(dataset, content, adjustment, publication);
   if (adjustment.IsRigCorrected()) PublishRig(WithFilesOf(dataset, adjustment.rig), publication);
 }
 
@@ -145,9 +146,9 @@ Report DescribeRigChange(const StereoRig& calibrated, const Adjustment& adjustme
           {"infinity_offset_sigma_px", adjustment.infinity_offset_sigma_px}};
 }
 
-Report ReportAdjusted(const AdjustedPart& part, const Dataset& dataset, const FeatureStore&,
-                      const Odometry&, const Correspondences&, const KeyframeGraph&,
-                      const AlignedKeyframes&) {
+Report ReportAdjusted(const AdjustedPart& part, const Dataset& dataset, const DatasetContent&,
+                      const FeatureStore&, const Odometry&, const Correspondences&,
+                      const KeyframeGraph&, const AlignedKeyframes&) {
   Report report = ReportTrajectory(part.trajectory, part.world_up);
   for (const std::string& remark : part.remarks) report["mapping"]["remarks"].push_back(remark);
   report["rig"] = DescribeRigChange(dataset.rig, part.adjustment);

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "adjustment/adjust.h"
+#include "dataset/dataset_content.h"
 #include "features/feature_store.h"
 #include "gates/gates.h"
 #include "odometry/odometry_options.h"
@@ -40,7 +41,8 @@ constexpr auto NamesOf(StartingFrom) { return std::array{"mapping", "odometry"};
 
 using AdjustmentStage =
     Stage<AdjustedPart,
-          Takes<Dataset, FeatureStore, Odometry, Correspondences, KeyframeGraph, AlignedKeyframes>,
+          Takes<Dataset, DatasetContent, FeatureStore, Odometry, Correspondences, KeyframeGraph,
+                AlignedKeyframes>,
           Reads<InTurn<StartingFrom>, AdjustmentOptions, OdometryOptions, AdjustmentGateOptions>>;
 // Where the images correct the rig, the odometry is done anew with the corrected rig and the
 // adjustment starts from that, since steps that only the odometry knows were measured with the

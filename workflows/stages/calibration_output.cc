@@ -41,8 +41,10 @@ CalibrationBlock ReadBlock(const Json& equations) {
 }
 
 PartCalibration ReadPart(const Json& part, const std::filesystem::path& path) {
-  PartCalibration read{
-      ParseRigFile(part.at("rig"), path), Read<CalibrationVector>(part.at("correction")), {}};
+  PartCalibration read{ParsePooledRigFile(part.at("rig"), path),
+                       part.at("frames"),
+                       Read<CalibrationVector>(part.at("correction")),
+                       {}};
   for (const Json& stretch : part.at("stretches")) {
     const CalibrationBlock block = ReadBlock(stretch);
     read.equations.score += block.score;
@@ -55,12 +57,12 @@ PartCalibration ReadPart(const Json& part, const std::filesystem::path& path) {
 
 }  // namespace
 
-void PublishCalibration(const StereoRig& given, const Adjustment& adjustment,
-                        Publication& publication) {
-  StereoRig rig = given;  // its masks are files of this machine, and nothing of the calibration
-  rig.left.mask_path.clear();
-  rig.right.mask_path.clear();
-  Json part = {{"rig", WriteRigFile(rig)},
+void PublishCalibration(const Dataset& dataset, const DatasetContent& content,
+                        const Adjustment& adjustment, Publication& publication) {
+  std::vector<std::string> frames = content.images;
+  std::erase(frames, "");
+  Json part = {{"rig", WritePooledRigFile({WithoutMasks(dataset.rig), dataset.rig_pool})},
+               {"frames", frames},
                {"correction", Numbers(adjustment.rig_correction)},
                {"stretches", Json::array()}};
   if (adjustment.calibration) {

@@ -5,21 +5,24 @@
 #include <filesystem>
 #include <optional>
 
+#include "dataset/dataset_content.h"
 #include "pipeline/stage.h"
 #include "scene/adjustment.h"
+#include "scene/rig_pool.h"
 
 namespace rigmap {
 
 struct PartCalibration {
-  StereoRig rig;  // as its file gave it
+  PooledRig given;                  // the rig that its prior was about, and the pool of its file
+  std::vector<std::string> frames;  // DatasetContent::images, but for the empty ones
   CalibrationVector correction = CalibrationVector::Zero();
   // At that correction, as sure as they are: correlations counted.
   CalibrationEquations equations;
 };
 
 // Writes calibration.json; without equations it says that the part tells nothing of its rig.
-void PublishCalibration(const StereoRig& given, const Adjustment& adjustment,
-                        Publication& publication);
+void PublishCalibration(const Dataset& dataset, const DatasetContent& content,
+                        const Adjustment& adjustment, Publication& publication);
 
 // Of a result folder; nothing where the part tells nothing of its rig. Throws DataError where there
 // is no such file, or it cannot be understood.

@@ -1,0 +1,20 @@
+// Shares of a rig file, between the files that read and write it.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "core/yaml.h"
+#include "scene/rig.h"
+
+namespace rigmap {
+
+// Of a rig file's top level; a key `pool` is passed over. `path` is what masks are relative to.
+StereoRig ReadRigNode(const YamlNode& root, const std::filesystem::path& path);
+
+// Of its upper triangle, row by row; must be positive definite.
+CalibrationMatrix ReadCovariance(const YamlNode& node);
+// "[...]" as ReadCovariance takes it.
+std::string FormatCovariance(const CalibrationMatrix& covariance);
+
+}  // namespace rigmap
