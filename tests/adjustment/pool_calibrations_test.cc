@@ -80,6 +80,28 @@ TEST_F(PoolCalibrationsTest, CorrectsNothingWhereNothingIsWrong) {
   EXPECT_GT(pooled.pooled.covariance(kLogFocal, kLogFocal), 0.0);
 }
 
+TEST_F(PoolCalibrationsTest, KnowsTheRigWithoutEachPart) {
+  const CalibrationVector truth = Off(2.0, -1.5);
+  const CalibrationWitness a = Witness(truth, truth), b = Witness(truth, Off(1.0, 0.0)),
+                           c = Witness(truth, truth);
+  const PooledCalibration pooled = Pool({a, b, c});
+  const PooledCalibration others = Pool({a, c});
+  EXPECT_EQ(pooled.parts[1].without.correction, others.pooled.correction);
+  EXPECT_EQ(pooled.parts[1].without.covariance, others.pooled.covariance);
+  // Without the only one the prior is left.
+  const PooledCalibration single = Pool({a});
+  EXPECT_TRUE(single.parts[0].without.correction.isZero());
+  EXPECT_TRUE((prior_.information * single.parts[0].without.covariance).eval().isIdentity(1e-9));
+}
+
+TEST(CorrectionBetween, IsTheInverseOfCorrected) {
+  const StereoRig rig = LocCamRig();
+  const CalibrationVector by = 0.01 * CalibrationVector::Random();
+  const StereoRig corrected = Corrected(rig, by);
+  EXPECT_TRUE(CorrectionBetween(rig, corrected).isApprox(by, 1e-9));
+  EXPECT_LT(CorrectionBetween(corrected, Corrected(rig, by)).norm(), 1e-12);
+}
+
 TEST(PriorOf, ARigFileThatStatesItsCovarianceIsTakenAtItsWord) {
   StereoRig rig = LocCamRig();
   CalibrationMatrix covariance = CalibrationMatrix::Identity();

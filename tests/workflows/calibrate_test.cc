@@ -1,0 +1,150 @@
+// Pools of result folders, and what a part that is in one is given.
+#include "workflows/calibrate.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "adjustment/pool_calibrations.h"
+#include "core/error.h"
+#include "dataset/rig_file.h"
+#include "tests/support/message_of.h"
+#include "tests/support/seeded_random.h"
+#include "tests/support/simulated_part.h"
+#include "tests/support/temporary_folder.h"
+#include "workflows/rig_prior.h"
+#include "workflows/stages/calibration_output.h"
+
+namespace rigmap {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+
+using Frames = std::vector<std::string>;
+
+class CalibrateTest : public testing::Test {
+ protected:
+  // Eight stretches of a rig that is turned by 0.1 degrees about y and shifted by half a pixel; the
+  // part had been given `given` and left it as it was.
+  CalibrationEquations Tell(const StereoRig& given) {
+    const CalibrationVector sigmas = PriorOf(start_, {}).sigmas;
+    CalibrationVector off = CalibrationVector::Zero();
+    off(kRotationY) = 0.1 / 57.3;
+    off(kRightCx) = 0.5;
+    const CalibrationVector from_given = CorrectionBetween(given, Corrected(start_, off));
+    CalibrationEquations equations;
+    for (int stretch = 0; stretch < 8; ++stretch) {
+      CalibrationBlock block;
+      block.information.diagonal() = 100.0 * sigmas.cwiseAbs2().cwiseInverse();
+      CalibrationVector told = from_given;
+      for (int i = 0; i < kCalibrationSize; ++i) told(i) += random_.Normal(sigmas(i) / 10.0);
+      block.score = block.information * told;
+      equations.blocks.push_back(block);
+      equations.score += block.score;
+      equations.information += block.information;
+    }
+    equations.score_covariance = equations.information;
+    return equations;
+  }
+  // A result folder with what a part of these frames told when it was given this file.
+  fs::path Part(const std::string& name, const Frames& frames, const PooledRig& file) {
+    Dataset dataset;
+    dataset.rig = file.rig;
+    dataset.rig_pool = file.pool;
+    if (const auto prior = WithoutPart(file, frames)) dataset.rig = prior->rig;
+    DatasetContent content;
+    content.images = frames;
+    content.images.push_back("");  // a black frame
+    Adjustment adjustment;
+    adjustment.calibration = Tell(dataset.rig);
+    const fs::path out = folder_.Path() / name;
+    Publication publication(out, {"calibration.json"});
+    fs::create_directories(out);
+    PublishCalibration(dataset, content, adjustment, publication);
+    return out;
+  }
+  PooledRig Pool(const std::vector<fs::path>& outs) const {
+    const fs::path path = folder_.Path() / "pooled.yaml";
+    Calibrate({outs, path});
+    return ReadPooledRigFile(path);
+  }
+  std::string Complaint(const std::vector<fs::path>& outs) const {
+    return MessageOf<DataError>([&] { Pool(outs); });
+  }
+
+  TemporaryFolder folder_;
+  SeededRandom random_;
+  const StereoRig start_ = SmallRoverRig();
+};
+
+void ExpectSameKnowledge(const StereoRig& a, const StereoRig& b) {
+  const CalibrationVector sigmas = PriorOf(b, {}).sigmas;
+  EXPECT_LT(CorrectionBetween(a, b).cwiseQuotient(sigmas).cwiseAbs().maxCoeff(), 0.02);
+  EXPECT_TRUE(PriorOf(a, {}).information.isApprox(PriorOf(b, {}).information, 0.02));
+}
+
+// To three sigmas of both.
+void ExpectAgree(const StereoRig& a, const StereoRig& b) {
+  const CalibrationVector variances =
+      PriorOf(a, {}).sigmas.cwiseAbs2() + PriorOf(b, {}).sigmas.cwiseAbs2();
+  EXPECT_LT(CorrectionBetween(a, b).cwiseQuotient(variances.cwiseSqrt()).cwiseAbs().maxCoeff(),
+            3.0);
+}
+
+// About the right eye's turn sideways, which all parts tell equally well.
+double Known(const StereoRig& rig) { return PriorOf(rig, {}).information(kRotationY, kRotationY); }
+
+TEST_F(CalibrateTest, APartOfThePoolIsGivenWhatTheOthersTell) {
+  const fs::path a = Part("a", {"a1", "a2"}, {start_, {}}), b = Part("b", {"b1"}, {start_, {}});
+  const PooledRig both = Pool({a, b}), alone = Pool({b});
+  const auto prior = WithoutPart(both, {"a1", "a2"});
+  ASSERT_TRUE(prior);
+  EXPECT_THAT(prior->remark, HasSubstr("the rig file contains this part"));
+  ExpectSameKnowledge(prior->rig, alone.rig);
+  // Twice as much is known of the pool.
+  EXPECT_GT(Known(both.rig), 1.5 * Known(prior->rig));
+  // A few frames of it are enough, another part is given all.
+  EXPECT_TRUE(WithoutPart(both, {"x", "a2"}));
+  EXPECT_FALSE(WithoutPart(both, {"x", ""}));
+  // Of a pool of one, and for frames of both, nothing that it told is left.
+  ExpectSameKnowledge(WithoutPart(alone, {"b1"})->rig, start_);
+  const auto across = WithoutPart(both, {"a2", "b1"});
+  ExpectSameKnowledge(across->rig, start_);
+  EXPECT_THAT(across->remark, HasSubstr("several"));
+}
+
+TEST_F(CalibrateTest, PartsRunWithAPoolCountOnceInTheNext) {
+  const fs::path a = Part("a", {"a"}, {start_, {}}), b = Part("b", {"b"}, {start_, {}});
+  const PooledRig first = Pool({a, b});
+  const fs::path c = Part("c", {"c"}, first);
+  // One that the pool did not contain adds to it, and all three can be left out. Nobody knows more
+  // than their number allows.
+  const PooledRig added = Pool({c}), all = Pool({a, b, c});
+  ASSERT_EQ(added.pool->parts.size(), 3U);
+  ExpectAgree(added.rig, all.rig);
+  EXPECT_LT(Known(added.rig), 1.05 * Known(all.rig));
+  for (const char* part : {"a", "b", "c"}) {
+    const StereoRig without = WithoutPart(added, {part})->rig;
+    ExpectAgree(without, WithoutPart(all, {part})->rig);
+    EXPECT_LT(Known(without), 1.05 * Known(WithoutPart(all, {part})->rig)) << part;
+  }
+  ExpectSameKnowledge(WithoutPart(added, {"c"})->rig, first.rig);
+  // Those that it contained count as in the first.
+  const PooledRig again = Pool({Part("a2", {"a"}, first), Part("b2", {"b"}, first)});
+  ASSERT_EQ(again.pool->parts.size(), 2U);
+  ExpectAgree(again.rig, first.rig);
+  EXPECT_NEAR(Known(again.rig) / Known(first.rig), 1.0, 0.1);
+}
+
+TEST_F(CalibrateTest, RefusesWhatCountsTwiceOrIsOfAnotherRig) {
+  const fs::path a = Part("a", {"f1", "f2"}, {start_, {}}),
+                 b = Part("b", {"f2", "f3"}, {start_, {}});
+  EXPECT_THAT(Complaint({a, b}),
+              HasSubstr("found 1 of " + a.string() + ": they would count twice"));
+  StereoRig other = start_;
+  other.left.camera.cx += 1.0;
+  EXPECT_THAT(Complaint({a, Part("c", {"c"}, {other, {}})}), HasSubstr("found another"));
+}
+
+}  // namespace
+}  // namespace rigmap
