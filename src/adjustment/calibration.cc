@@ -197,6 +197,24 @@ double LargestShiftPx(const StereoRig& from, const StereoRig& to) {
   return largest_px;
 }
 
+namespace {
+
+// Whether the images ask for a focal length that left-out stretches did not confirm.
+bool IsFocalRejected(RigRefinement refined, const CalibrationVector& now,
+                     const ProbableCorrection& all, const AdjustmentOptions& options) {
+  constexpr double kConflictSigmas = 2.0;
+  return refined == RigRefinement::kAllButFocal && options.refine_rig == RigRefinement::kAuto &&
+         std::abs(all.correction(kLogFocal) - now(kLogFocal)) >
+             kConflictSigmas * std::sqrt(all.covariance(kLogFocal, kLogFocal));
+}
+
+// What the others would do if the focal length were another one.
+CalibrationVector FollowingFocal(const CalibrationMatrix& covariance) {
+  return covariance.col(kLogFocal) / covariance(kLogFocal, kLogFocal);
+}
+
+}  // namespace
+
 CalibrationMatrix CalibrationError(RigRefinement refined, const CalibrationVector& now,
                                    const CalibrationEquations& equations,
                                    const CalibrationPrior& prior,
@@ -204,19 +222,26 @@ CalibrationMatrix CalibrationError(RigRefinement refined, const CalibrationVecto
   const auto all = MostProbable(RigRefinement::kAll, now, equations, prior, options);
   if (!all) return prior.sigmas.cwiseAbs2().asDiagonal();
   const CalibrationVector off = all->correction - now;
-  constexpr double kConflictSigmas = 2.0;
-  const double focal_variance = all->covariance(kLogFocal, kLogFocal);
-  const bool is_rejected =
-      refined == RigRefinement::kAllButFocal && options.refine_rig == RigRefinement::kAuto &&
-      off(kLogFocal) * off(kLogFocal) > kConflictSigmas * kConflictSigmas * focal_variance;
-  if (!is_rejected) return all->covariance + off * off.transpose();
-  // What the others would do if the focal length were another one, and what they do if it is held.
-  const CalibrationVector following = all->covariance.col(kLogFocal) / focal_variance;
+  if (!IsFocalRejected(refined, now, *all, options)) return all->covariance + off * off.transpose();
+  const CalibrationVector following = FollowingFocal(all->covariance);
   const CalibrationMatrix held =
-      all->covariance - focal_variance * following * following.transpose();
+      all->covariance - all->covariance(kLogFocal, kLogFocal) * following * following.transpose();
   const CalibrationVector off_held = off - off(kLogFocal) * following;
   const double sigma = prior.sigmas(kLogFocal);
   return held + off_held * off_held.transpose() + sigma * sigma * following * following.transpose();
+}
+
+CalibrationMatrix CalibrationErrorElsewhere(RigRefinement refined, const CalibrationVector& now,
+                                            const CalibrationEquations& equations,
+                                            const CalibrationPrior& prior,
+                                            const AdjustmentOptions& options) {
+  const CalibrationMatrix error = CalibrationError(refined, now, equations, prior, options);
+  const auto all = MostProbable(RigRefinement::kAll, now, equations, prior, options);
+  if (!all || !IsFocalRejected(refined, now, *all, options)) return error;
+  CalibrationVector followed =
+      (all->correction(kLogFocal) - now(kLogFocal)) * FollowingFocal(all->covariance);
+  followed(kLogFocal) = 0.0;
+  return error + followed * followed.transpose();
 }
 
 std::optional<LeftOutGain> GainOfRefining(RigRefinement from, RigRefinement to,

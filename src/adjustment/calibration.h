@@ -65,6 +65,13 @@ CalibrationMatrix CalibrationError(RigRefinement refined, const CalibrationVecto
                                    const CalibrationEquations& equations,
                                    const CalibrationPrior& prior, const AdjustmentOptions& options);
 
+// The same for other parts. Where such a focal length is held, the rest makes up for it as this
+// path wants it; how another path would have it, nobody knows.
+CalibrationMatrix CalibrationErrorElsewhere(RigRefinement refined, const CalibrationVector& now,
+                                            const CalibrationEquations& equations,
+                                            const CalibrationPrior& prior,
+                                            const AdjustmentOptions& options);
+
 // How much better stretches of the part fit a rig that is corrected from all the others: half the
 // decrease of their weighted squares, in units of what chance gives (the inflation of the noise).
 struct LeftOutGain {

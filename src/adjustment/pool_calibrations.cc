@@ -44,9 +44,9 @@ std::optional<Estimate> EstimateOf(const std::vector<CalibrationWitness>& parts,
     if (!probable) return std::nullopt;
     correction = probable->correction;
   }
-  estimate.found = {correction,
-                    CalibrationError(estimate.refined, correction,
-                                     EquationsAt(correction, parts, left_out), prior, counted)};
+  estimate.found = {correction, CalibrationErrorElsewhere(estimate.refined, correction,
+                                                          EquationsAt(correction, parts, left_out),
+                                                          prior, counted)};
   return estimate;
 }
 

@@ -80,6 +80,33 @@ TEST_F(PoolCalibrationsTest, CorrectsNothingWhereNothingIsWrong) {
   EXPECT_GT(pooled.pooled.covariance(kLogFocal, kLogFocal), 0.0);
 }
 
+// The images ask for a focal length, their stretches do not confirm it: k1 has made up for it as
+// these paths wanted. Of that other parts know nothing.
+TEST_F(PoolCalibrationsTest, WhatMakesUpForAHeldFocalLengthIsUnknown) {
+  constexpr double kCoupled = 0.9, kAsked = 3.0;
+  CalibrationWitness part = Witness(Off(4.0, 0.0), Off(4.0, 0.0));
+  part.equations.score.setZero();
+  part.equations.information.setZero();
+  for (std::size_t i = 0; i < part.equations.blocks.size(); ++i) {
+    CalibrationBlock& block = part.equations.blocks[i];
+    CalibrationMatrix& information = block.information;
+    information(kLogFocal, kLeftK1) = information(kLeftK1, kLogFocal) =
+        kCoupled * std::sqrt(information(kLogFocal, kLogFocal) * information(kLeftK1, kLeftK1));
+    const double of_focal = i % 4 == 3 ? -kAsked : kAsked;  // a quarter dissents
+    block.score = information.col(kLogFocal) * of_focal * prior_.sigmas(kLogFocal);
+    part.equations.score += block.score;
+    part.equations.information += information;
+  }
+  part.equations.score_covariance = part.equations.information;
+  const PooledCalibration pooled = Pool({part});
+  ASSERT_EQ(pooled.refined, RigRefinement::kAllButFocal);
+  const double followed = kCoupled * 0.5 * kAsked * prior_.sigmas(kLeftK1);
+  EXPECT_GT(pooled.pooled.covariance(kLeftK1, kLeftK1), followed * followed);
+  // The focal length is known as well as before.
+  EXPECT_NEAR(std::sqrt(pooled.pooled.covariance(kLogFocal, kLogFocal)), prior_.sigmas(kLogFocal),
+              0.01 * prior_.sigmas(kLogFocal));
+}
+
 TEST_F(PoolCalibrationsTest, KnowsTheRigWithoutEachPart) {
   const CalibrationVector truth = Off(2.0, -1.5);
   const CalibrationWitness a = Witness(truth, truth), b = Witness(truth, Off(1.0, 0.0)),
