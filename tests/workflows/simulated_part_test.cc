@@ -280,16 +280,22 @@ TEST_F(SimulatedPartTest, WithAWrongRigIsCorrectedOrNotTrusted) {
   EXPECT_LT(json::parse(metrics.out)["scale_error_pct"], scale_95_pct);
   EXPECT_LT(scale_95_pct, 1.0);  // 12 with the wrong rig
   EXPECT_NEAR(summary["rig"]["infinity_offset_px"], 2.0, 0.1);
-  // Another run with the rig that this one tells has nothing to correct.
+  // With the pool of itself alone it begins as it did before.
   const fs::path rig_out = folder_.Path() / "pooled.yaml", again = folder_.Path() / "again";
   const ProgramEnd pooled = RunRigmap({"calibrate", out_, "--rig-out", rig_out});
   EXPECT_EQ(pooled.exit_code, 0) << pooled.err;
   EXPECT_THAT(pooled.out, testing::HasSubstr(out_.string()));
   EXPECT_TRUE(ReadRigFile(rig_out).calibration_covariance);
-  const ProgramEnd with_it = RunRigmap(
-      {"part", "--dataset", data, "--rig", rig_out, "--out", again, "--until", "adjustment"});
-  EXPECT_EQ(with_it.exit_code, 0) << with_it.err;
-  EXPECT_EQ(JsonOf(again / "summary.json")["rig"]["refined"], false);
+  const auto run_with = [&](const fs::path& file) {
+    const ProgramEnd with_it = RunRigmap(
+        {"part", "--dataset", data, "--rig", file, "--out", again, "--until", "adjustment"});
+    EXPECT_EQ(with_it.exit_code, 0) << with_it.err;
+    return JsonOf(again / "summary.json")["rig"];
+  };
+  EXPECT_NEAR(run_with(rig_out)["infinity_offset_px"], 2.0, 0.1);
+  // With the rig that it tells, and no word of which part told it, it has nothing to correct.
+  WriteTestFile(rig_out, WriteRigFile(ReadRigFile(rig_out)));
+  EXPECT_EQ(run_with(rig_out)["refined"], false);
   // Left to its own again, nothing of the corrected rig is left.
   RunRigmap(held);
   EXPECT_FALSE(fs::exists(out_ / "rig_refined.yaml"));
