@@ -4,13 +4,18 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <nlohmann/json.hpp>
+
 #include "adjustment/pool_calibrations.h"
 #include "core/error.h"
+#include "core/file.h"
 #include "dataset/rig_file.h"
 #include "tests/support/message_of.h"
 #include "tests/support/seeded_random.h"
 #include "tests/support/simulated_part.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/support/test_file.h"
+#include "tests/workflows/rigmap_program.h"
 #include "workflows/rig_prior.h"
 #include "workflows/stages/calibration_output.h"
 
@@ -21,6 +26,9 @@ namespace fs = std::filesystem;
 using testing::HasSubstr;
 
 using Frames = std::vector<std::string>;
+using Arguments = std::vector<std::string>;
+
+nlohmann::json JsonIn(const fs::path& path) { return nlohmann::json::parse(ReadTextFile(path)); }
 
 class CalibrateTest : public testing::Test {
  protected:
@@ -144,6 +152,55 @@ TEST_F(CalibrateTest, RefusesWhatCountsTwiceOrIsOfAnotherRig) {
   StereoRig other = start_;
   other.left.camera.cx += 1.0;
   EXPECT_THAT(Complaint({a, Part("c", {"c"}, {other, {}})}), HasSubstr("found another"));
+}
+
+// The file that both halves of a drive tell gives each what the other one told, wherever its images
+// lie, and all to a third.
+TEST(CalibratedParts, TakeThePriorWithoutTheirOwnImages) {
+  const TemporaryFolder folder;
+  const fs::path data = CopyOfSimulatedPart(folder.Path()), moved = folder.Path() / "moved",
+                 out = folder.Path() / "out";
+  fs::create_directories(out);
+  std::string rig = ReadTextFile(data / "calib.yaml");
+  rig.replace(rig.find("161.7"), 5, "163.7");
+  WriteTestFile(data / "calib.yaml", rig);
+  const auto run = [&](const fs::path& dataset, const char* frames, const char* name,
+                       const Arguments& more = {}) {
+    Arguments arguments{"part",  "--dataset", dataset,   "--frames",  frames,
+                        "--out", out / name,  "--until", "adjustment"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return RunRigmap(arguments);
+  };
+  const auto pooled_of = [&](const Arguments& outs) {
+    const fs::path path = folder.Path() / "pooled.yaml";
+    Arguments arguments{"calibrate", "--rig-out", path};
+    for (const std::string& name : outs) arguments.push_back(out / name);
+    const ProgramEnd end = RunRigmap(arguments);
+    EXPECT_EQ(end.exit_code, 0) << end.err;
+    return path;
+  };
+  const auto prior_of = [&](const char* name) {
+    return ParseRigFile(JsonIn(out / name / "calibration.json")["rig"], "rig");
+  };
+  run(data, "0:4", "first");
+  run(data, "4:8", "second");
+  const StereoRig second = ReadRigFile(pooled_of({"second"}));
+  const fs::path pooled = pooled_of({"first", "second"});
+  fs::rename(data, moved);
+  const ProgramEnd again = run(moved, "0:3", "again", {"--rig", pooled});
+  EXPECT_THAT(again.err, testing::HasSubstr("the rig file contains this part"));
+  EXPECT_THAT(JsonIn(out / "again" / "summary.json")["health"]["remarks"].dump(),
+              testing::HasSubstr("its prior leaves it out"));
+  const StereoRig prior = prior_of("again");
+  EXPECT_NEAR(prior.right.camera.cx, second.right.camera.cx, 1e-9);
+  ASSERT_TRUE(prior.calibration_covariance);
+  EXPECT_TRUE(prior.calibration_covariance->isApprox(*second.calibration_covariance, 1e-6));
+  // Frames that are not in it take the pool's own.
+  const fs::path of_second = pooled_of({"second"});
+  const ProgramEnd other = run(moved, "0:4", "other", {"--rig", of_second});
+  EXPECT_THAT(other.err, testing::Not(testing::HasSubstr("contains")));
+  EXPECT_TRUE(
+      prior_of("other").calibration_covariance->isApprox(*second.calibration_covariance, 1e-6));
 }
 
 }  // namespace

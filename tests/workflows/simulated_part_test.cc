@@ -301,52 +301,6 @@ TEST_F(SimulatedPartTest, WithAWrongRigIsCorrectedOrNotTrusted) {
   EXPECT_FALSE(fs::exists(out_ / "rig_refined.yaml"));
 }
 
-// The file that both halves of a drive tell gives each what the other one told, wherever its images
-// lie, and all to a third.
-TEST_F(SimulatedPartTest, WithAPooledRigTakesThePriorWithoutItsOwnImages) {
-  const fs::path data = CopyOfSimulatedPart(folder_.Path()), moved = folder_.Path() / "moved";
-  std::string rig = ReadTextFile(data / "calib.yaml");
-  rig.replace(rig.find("161.7"), 5, "163.7");
-  WriteTestFile(data / "calib.yaml", rig);
-  const auto run = [&](const fs::path& dataset, const char* frames, const char* out,
-                       const Arguments& more = {}) {
-    Arguments arguments{"part",  "--dataset", dataset,   "--frames",  frames,
-                        "--out", out_ / out,  "--until", "adjustment"};
-    arguments.insert(arguments.end(), more.begin(), more.end());
-    return RunRigmap(arguments);
-  };
-  const auto pooled_of = [&](const Arguments& outs) {
-    const fs::path path = folder_.Path() / "pooled.yaml";
-    Arguments arguments{"calibrate", "--rig-out", path};
-    for (const std::string& out : outs) arguments.push_back(out_ / out);
-    const ProgramEnd end = RunRigmap(arguments);
-    EXPECT_EQ(end.exit_code, 0) << end.err;
-    return path;
-  };
-  const auto prior_of = [&](const char* out) {
-    return ParseRigFile(JsonOf(out_ / out / "calibration.json")["rig"], "rig");
-  };
-  run(data, "0:4", "first");
-  run(data, "4:8", "second");
-  const StereoRig second = ReadRigFile(pooled_of({"second"}));
-  const fs::path pooled = pooled_of({"first", "second"});
-  fs::rename(data, moved);
-  const ProgramEnd again = run(moved, "0:3", "again", {"--rig", pooled});
-  EXPECT_THAT(again.err, testing::HasSubstr("the rig file contains this part"));
-  EXPECT_THAT(JsonOf(out_ / "again" / "summary.json")["health"]["remarks"].dump(),
-              testing::HasSubstr("its prior leaves it out"));
-  const StereoRig prior = prior_of("again");
-  EXPECT_NEAR(prior.right.camera.cx, second.right.camera.cx, 1e-9);
-  ASSERT_TRUE(prior.calibration_covariance);
-  EXPECT_TRUE(prior.calibration_covariance->isApprox(*second.calibration_covariance, 1e-6));
-  // Frames that are not in it take the pool's own.
-  const fs::path of_second = pooled_of({"second"});
-  const ProgramEnd other = run(moved, "0:4", "other", {"--rig", of_second});
-  EXPECT_THAT(other.err, testing::Not(testing::HasSubstr("contains")));
-  EXPECT_TRUE(
-      prior_of("other").calibration_covariance->isApprox(*second.calibration_covariance, 1e-6));
-}
-
 TEST_F(SimulatedPartTest, WithoutColmapFailsBeforeAnyWork) {
   const ProgramEnd end = RunProgram("env", {"PATH=/nowhere", RIGMAP_PROGRAM, "part", "--dataset",
                                             SimulatedPartFolder(), "--out", out_});
