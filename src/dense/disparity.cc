@@ -1,4 +1,5 @@
 #include "dense/internal/disparity.h"
+#include "dense/internal/semi_global.h"
 
 #include <algorithm>
 #include <cmath>
@@ -38,6 +39,11 @@ cv::Ptr<cv::StereoMatcher> MakeMatcher(int disparities, const DenseOptions& opti
 // are widened to the left by the range. Result: CV_16S, 1/16 px, not positive where unknown.
 cv::Mat RawDisparity(const cv::Mat& left, const cv::Mat& right, int disparities,
                      const DenseOptions& options) {
+  if (options.method == DenseMethod::kSgm && !std::getenv("OLD_SGM")) {
+    cv::Mat found = MatchSemiGlobal(left, right, WholeRange(left.size(), disparities), options);
+    cv::filterSpeckles(found, 0, options.speckle_size_px, options.speckle_step_px * kSteps);
+    return found;
+  }
   cv::Mat wide_left, wide_right, wide;
   cv::copyMakeBorder(left, wide_left, 0, 0, disparities, 0, cv::BORDER_REPLICATE);
   cv::copyMakeBorder(right, wide_right, 0, 0, disparities, 0, cv::BORDER_REPLICATE);

@@ -1,0 +1,49 @@
+// Which disparity wins at each pixel of a row.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "dense/dense_options.h"
+#include "dense/internal/disparity_windows.h"
+
+namespace rigmap {
+
+// What paths found along a row of pixels, as its layout says.
+struct RowCosts {
+  const RowLayout* layout = nullptr;
+  const std::uint8_t* costs = nullptr;       // of matching
+  const std::uint8_t* sums_above = nullptr;  // of steps, four paths each
+  const std::uint8_t* sums_below = nullptr;
+};
+
+// The disparity with the least sum of eight aggregated costs, in steps of 1/16 px; kNoDisparity
+// where that is not sure.
+class WinnerRow {
+ public:
+  static constexpr int kSteps = 16;
+  static constexpr std::int16_t kNoDisparity = -kSteps;
+
+  WinnerRow(int columns, int largest_count, const DenseOptions& options);
+
+  void Choose(const RowCosts& row, std::span<std::int16_t> disparities);
+
+  // A winner: the least sum, those one less and one more, and how many others are nearly as low.
+  struct Winner {
+    int index = 0;  // in the window
+    int least = 0, before = 0, after = 0;
+    bool unique = false;
+  };
+
+ private:
+  void CompareViews(std::span<std::int16_t> disparities) const;
+
+  int uniqueness_pct_ = 0, left_right_px_ = 0;
+  std::vector<Winner> winners_;
+  std::vector<std::uint16_t> sums_;                   // of one pixel
+  std::vector<std::uint16_t> right_least_;            // by column of the right view
+  std::vector<std::int16_t> right_disparity_;         // px
+};
+
+}  // namespace rigmap

@@ -1,0 +1,144 @@
+#include "dense/internal/winner.h"
+
+#include <algorithm>
+#include <cstdlib>
+#include <limits>
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "dense/winner.cc"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+HWY_BEFORE_NAMESPACE();
+namespace rigmap {
+namespace HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+using PathSums = hn::CappedTag<std::uint16_t, DisparityWindow::kGrain / 2>;
+using PathBytes = hn::Half<hn::Repartition<std::uint8_t, PathSums>>;
+
+// S = 8 C + all m, and its least.
+HWY_INLINE std::uint16_t SumPaths(const RowCosts& row, std::size_t offset, int count,
+                                  std::uint16_t* sums) {
+  const PathSums tag;
+  const PathBytes bytes;
+  auto least = hn::Set(tag, std::numeric_limits<std::uint16_t>::max());
+  for (int i = 0; i < count; i += static_cast<int>(hn::Lanes(tag))) {
+    const auto load = [&](const std::uint8_t* of) HWY_ATTR {
+      return hn::PromoteTo(tag, hn::LoadU(bytes, of + offset + i));
+    };
+    const auto sum = hn::Add(hn::ShiftLeft<3>(load(row.costs)),
+                             hn::Add(load(row.sums_above), load(row.sums_below)));
+    hn::StoreU(sum, tag, sums + i);
+    least = hn::Min(least, sum);
+  }
+  return hn::GetLane(hn::MinOfLanes(tag, least));
+}
+
+HWY_INLINE int FirstEqual(const std::uint16_t* sums, std::uint16_t value) {
+  const PathSums tag;
+  const auto wanted = hn::Set(tag, value);
+  for (int i = 0;; i += static_cast<int>(hn::Lanes(tag))) {
+    const auto found = hn::FindFirstTrue(tag, hn::Eq(hn::LoadU(tag, sums + i), wanted));
+    if (found >= 0) return i + static_cast<int>(found);
+  }
+}
+
+HWY_INLINE int CountBelow(const std::uint16_t* sums, int count, std::uint16_t limit) {
+  const PathSums tag;
+  const auto below = hn::Set(tag, limit);
+  std::size_t found = 0;
+  for (int i = 0; i < count; i += static_cast<int>(hn::Lanes(tag))) {
+    found += hn::CountTrue(tag, hn::Lt(hn::LoadU(tag, sums + i), below));
+  }
+  return static_cast<int>(found);
+}
+
+HWY_NOINLINE void FindWinners(const RowCosts& row, int uniqueness_pct, std::uint16_t* sums,
+                              std::span<WinnerRow::Winner> winners) {
+  for (std::size_t column = 0; column < winners.size(); ++column) {
+    const int count = row.layout->count[column];
+    const std::uint16_t least = SumPaths(row, row.layout->offset[column], count, sums);
+    WinnerRow::Winner& winner = winners[column];
+    winner.index = FirstEqual(sums, least);
+    winner.least = least;
+    winner.before = sums[std::max(winner.index - 1, 0)];
+    winner.after = sums[std::min(winner.index + 1, count - 1)];
+    // Others below least / (1 - uniqueness), but for the neighbours of the winner.
+    const int share = std::max(1, 100 - uniqueness_pct);
+    const int limit = std::min((100 * least + share - 1) / share, 65535);
+    int near = 0;
+    for (int i = std::max(winner.index - 1, 0); i <= std::min(winner.index + 1, count - 1); ++i) {
+      near += sums[i] < limit;
+    }
+    winner.unique = CountBelow(sums, count, static_cast<std::uint16_t>(limit)) == near;
+  }
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace rigmap
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace rigmap {
+namespace {
+
+HWY_EXPORT(FindWinners);
+
+// The least of a parabola through three costs, from the middle one, in steps.
+int ParabolaSteps(const WinnerRow::Winner& winner) {
+  const int bend = std::max(winner.before + winner.after - 2 * winner.least, 1);
+  return ((winner.before - winner.after) * WinnerRow::kSteps + bend) / (2 * bend);
+}
+
+}  // namespace
+
+WinnerRow::WinnerRow(int columns, int largest_count, const DenseOptions& options)
+    : uniqueness_pct_(options.uniqueness_pct),
+      left_right_px_(options.left_right_px),
+      winners_(columns),
+      sums_(largest_count),
+      right_least_(columns),
+      right_disparity_(columns) {}
+
+void WinnerRow::Choose(const RowCosts& row, std::span<std::int16_t> disparities) {
+  HWY_DYNAMIC_DISPATCH(FindWinners)(row, uniqueness_pct_, sums_.data(), winners_);
+  std::fill(right_least_.begin(), right_least_.end(), std::uint16_t{65535});
+  std::fill(right_disparity_.begin(), right_disparity_.end(), kNoDisparity);
+  for (int column = 0; column < static_cast<int>(winners_.size()); ++column) {
+    const Winner& winner = winners_[column];
+    const int disparity = row.layout->first[column] + winner.index;
+    disparities[column] = kNoDisparity;
+    // At the edge of its window it need not be a minimum.
+    const bool inside = winner.index > 0 && winner.index + 1 < row.layout->count[column];
+    if (!winner.unique || !inside || disparity > column) continue;
+    disparities[column] = static_cast<std::int16_t>(kSteps * disparity + ParabolaSteps(winner));
+    const int right = column - disparity;
+    if (winner.least < right_least_[right]) {
+      right_least_[right] = static_cast<std::uint16_t>(winner.least);
+      right_disparity_[right] = static_cast<std::int16_t>(disparity);
+    }
+  }
+  CompareViews(disparities);
+}
+
+// A pixel of the right view is matched by several of the left one: all but that with the least sum
+// are wrong, unless they agree.
+void WinnerRow::CompareViews(std::span<std::int16_t> disparities) const {
+  const int columns = static_cast<int>(disparities.size());
+  for (int column = 0; column < columns; ++column) {
+    const int steps = disparities[column];
+    if (steps == kNoDisparity) continue;
+    const auto differs = [&](int disparity) {
+      const int right = column - disparity;
+      return right >= 0 && right < columns && right_disparity_[right] != kNoDisparity &&
+             std::abs(right_disparity_[right] - disparity) > left_right_px_;
+    };
+    if (differs(steps / kSteps) && differs((steps + kSteps - 1) / kSteps)) {
+      disparities[column] = kNoDisparity;
+    }
+  }
+}
+
+}  // namespace rigmap
+#endif
