@@ -37,8 +37,8 @@ struct CostTile {
   int first_column = 0, end_column = 0;
   int rows = 0;
   DisparityWindow window;
-  std::uint8_t* costs = nullptr;   // of its first pixel
-  std::size_t bytes_per_row = 0;   // from pixel row to pixel row
+  std::uint8_t* costs = nullptr;  // of its first pixel
+  std::size_t bytes_per_row = 0;  // from pixel row to pixel row
 };
 
 struct TileWork {
@@ -63,7 +63,8 @@ using HalfBytes = hn::Half<Bytes>;
 template <class Vector>
 Vector Dissimilarity(const MeasuredRow& left, const MeasuredRow& right, int column, int index) {
   const Bytes bytes;
-  const auto one = hn::Set(bytes, left.value[column]), other = hn::LoadU(bytes, right.value + index);
+  const auto one = hn::Set(bytes, left.value[column]),
+             other = hn::LoadU(bytes, right.value + index);
   const auto to_other = hn::Max(hn::SaturatedSub(one, hn::LoadU(bytes, right.most + index)),
                                 hn::SaturatedSub(hn::LoadU(bytes, right.least + index), one));
   const auto to_one = hn::Max(hn::SaturatedSub(other, hn::Set(bytes, left.most[column])),
@@ -128,10 +129,6 @@ void WriteCosts(const CostTile& tile, const CostScale& scale, const std::uint16_
     const auto scaled = hn::Min(hn::MulHigh(hn::SaturatedAdd(twice, twice), factor), most);
     hn::StoreU(hn::DemoteTo(half, hn::BitCast(signed_sums, scaled)), half, costs + i);
   }
-  for (int x = tile.first_column; x < tile.end_column; ++x, costs += tile.window.count) {
-    const int inside = std::clamp(x + 1 - tile.window.first, 0, tile.window.count);
-    std::fill(costs + inside, costs + tile.window.count, CostScale::kMostCost);
-  }
 }
 
 void CompareTile(const ViewRows& views, const CostTile& tile, int radius, const CostScale& scale,
@@ -150,10 +147,12 @@ void CompareTile(const ViewRows& views, const CostTile& tile, int radius, const 
   }
 }
 
-void GradientRow(const std::uint8_t* above, const std::uint8_t* here, const std::uint8_t* below,
-                 int width, std::uint8_t* gradient) {
+// Gradients by Sobel's operator, clipped and made positive.
+void GradientRow(const std::uint8_t* HWY_RESTRICT above, const std::uint8_t* HWY_RESTRICT here,
+                 const std::uint8_t* HWY_RESTRICT below, int width,
+                 std::uint8_t* HWY_RESTRICT gradient) {
   constexpr int kLimit = MatchingCost::kGradientLimit;
-  const auto at = [&](int column, int to_left, int to_right) {
+  const auto at = [&](int column, int to_left, int to_right) HWY_ATTR {
     const int slope = above[to_right] - above[to_left] + 2 * (here[to_right] - here[to_left]) +
                       below[to_right] - below[to_left];
     gradient[column] = static_cast<std::uint8_t>(std::clamp(slope, -kLimit, kLimit) + kLimit);
@@ -163,13 +162,13 @@ void GradientRow(const std::uint8_t* above, const std::uint8_t* here, const std:
   at(width - 1, std::max(width - 2, 0), width - 1);
 }
 
-// Fills least and most from the values.
-void FindExtremes(const MeasuredRow& row, int width) {
-  const auto at = [&](int column, int to_left, int to_right) {
-    const int here = row.value[column];
-    const int left = (here + row.value[to_left]) / 2, right = (here + row.value[to_right]) / 2;
-    row.least[column] = static_cast<std::uint8_t>(std::min(here, std::min(left, right)));
-    row.most[column] = static_cast<std::uint8_t>(std::max(here, std::max(left, right)));
+void FindExtremes(const std::uint8_t* HWY_RESTRICT value, int width,
+                  std::uint8_t* HWY_RESTRICT least, std::uint8_t* HWY_RESTRICT most) {
+  const auto at = [&](int column, int to_left, int to_right) HWY_ATTR {
+    const int here = value[column];
+    const int left = (here + value[to_left]) / 2, right = (here + value[to_right]) / 2;
+    least[column] = static_cast<std::uint8_t>(std::min(here, std::min(left, right)));
+    most[column] = static_cast<std::uint8_t>(std::max(here, std::max(left, right)));
   };
   at(0, 0, std::min(1, width - 1));
   for (int column = 1; column < width - 1; ++column) at(column, column - 1, column + 1);
@@ -182,7 +181,7 @@ void MeasureRow(const cv::Mat& view, int row, const ViewRow& measured) {
               view.ptr<std::uint8_t>(std::min(row + 1, view.rows - 1)), view.cols,
               measured[0].value);
   std::copy_n(here, view.cols, measured[1].value);
-  for (const MeasuredRow& by : measured) FindExtremes(by, view.cols);
+  for (const MeasuredRow& by : measured) FindExtremes(by.value, view.cols, by.least, by.most);
 }
 
 HWY_NOINLINE void CompareTileRow(const ViewRows& views, std::span<const CostTile> tiles, int radius,
@@ -239,15 +238,16 @@ MeasuredRow TakeRow(Parts& parts, std::size_t width) {
 CostWork TakeWork(Parts& parts, const TileWindows& windows, int radius) {
   const int width = windows.size.width, count = windows.LargestCount(), block = 2 * radius + 1;
   const std::size_t entries = static_cast<std::size_t>(TileWindows::kTilePx) * count;
+  const std::size_t reversed = static_cast<std::size_t>(width) + windows.End();
   CostWork work;
   work.views.width = width;
   for (int row = 0; row < TileWindows::kTilePx + 2 * radius; ++row) {
     work.views.left.push_back({TakeRow(parts, width), TakeRow(parts, width)});
-    const std::size_t reversed = width + windows.End();
     work.views.right.push_back({TakeRow(parts, reversed), TakeRow(parts, reversed)});
   }
   work.unreversed = TakeRow(parts, width);
-  work.tile.pixel = parts.Take<std::uint8_t>(entries + 2 * static_cast<std::size_t>(radius) * count);
+  work.tile.pixel =
+      parts.Take<std::uint8_t>(entries + 2 * static_cast<std::size_t>(radius) * count);
   work.tile.across = parts.Take<std::uint16_t>(block * entries);
   work.tile.block = parts.Take<std::uint16_t>(entries);
   return work;
@@ -277,8 +277,8 @@ CostScale::CostScale(const DenseOptions& options) {
   const double area = options.block_px * options.block_px;
   const double per_cost = kLargeStep / (options.large_step_cost * area);
   multiplier = std::clamp(static_cast<int>(std::lround(per_cost * 65536.0 / 4.0)), 1, 65535);
-  small_step = std::clamp(static_cast<int>(std::lround(per_cost * options.small_step_cost * area)), 1,
-                          kLargeStep);
+  small_step = std::clamp(static_cast<int>(std::lround(per_cost * options.small_step_cost * area)),
+                          1, kLargeStep);
 }
 
 MatchingCost::MatchingCost(const cv::Mat& left, const cv::Mat& right, const TileWindows& windows,
@@ -287,25 +287,26 @@ MatchingCost::MatchingCost(const cv::Mat& left, const cv::Mat& right, const Tile
       right_(right),
       windows_(windows),
       radius_(options.block_px / 2),
+      work_bytes_(WorkBytes(windows, options)),
       scale_(options) {}
 
-std::size_t MatchingCost::WorkBytes() const {
+std::size_t MatchingCost::WorkBytes(const TileWindows& windows, const DenseOptions& options) {
   Parts parts;
-  TakeWork(parts, windows_, radius_);
+  TakeWork(parts, windows, options.block_px / 2);
   return parts.Bytes();
 }
 
 void MatchingCost::OfTileRow(int tile_row, const RowLayout& layout, std::uint8_t* costs) const {
-  const auto memory = hwy::AllocateAligned<std::uint8_t>(WorkBytes());
+  const auto memory = hwy::AllocateAligned<std::uint8_t>(work_bytes_);
   Parts parts(memory.get());
   const CostWork work = TakeWork(parts, windows_, radius_);
   const int first_row = tile_row * TileWindows::kTilePx;
+  const int reversed_width = windows_.size.width + windows_.End();
   const int rows = std::min(TileWindows::kTilePx, windows_.size.height - first_row);
   for (int i = 0; i < rows + 2 * radius_; ++i) {
     const int row = std::clamp(first_row + i - radius_, 0, windows_.size.height - 1);
     HWY_DYNAMIC_DISPATCH(MeasureRowOf)(left_, row, work.views.left[i]);
-    MeasureReversed(right_, row, windows_.size.width + windows_.End(), work.unreversed,
-                    work.views.right[i]);
+    MeasureReversed(right_, row, reversed_width, work.unreversed, work.views.right[i]);
   }
   std::vector<CostTile> tiles;
   for (int i = 0; i < windows_.columns; ++i) {

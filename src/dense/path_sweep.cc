@@ -14,27 +14,22 @@
 #define RIGMAP_DENSE_PATH_SWEEP
 namespace rigmap {
 
-constexpr int kPaths = 4;
-
-// Aggregated costs of the pixel before on a path.
-struct PathEnd {
-  const std::uint8_t* costs = nullptr;  // at the first disparity of its window
-  int first = 0, count = 0;
-  std::uint8_t least = 0;
-};
-
-// Where those of a pixel go.
-struct PathOutput {
-  std::uint8_t* costs = nullptr;
+// A PathLine's slots as the kernel walks along them.
+struct Slots {
+  std::uint8_t* costs = nullptr;  // of the first slot
   std::uint8_t* least = nullptr;
+  std::ptrdiff_t stride = 0;
+
+  Slots() = default;
+  explicit Slots(PathLine& line)
+      : costs(line.Costs(0)), least(&line.Least(0)), stride(line.Costs(1) - line.Costs(0)) {}
 };
 
-struct PixelStep {
-  std::array<PathEnd, kPaths> before;
-  std::array<PathOutput, kPaths> here;
-  int first = 0, count = 0;
+// Aggregated costs at the pixel before on a path: where its window begins, and their least.
+struct PathEnd {
   const std::uint8_t* costs = nullptr;
-  std::uint8_t* sums = nullptr;
+  const std::uint8_t* least = nullptr;
+  int first = 0, count = 0;
 };
 
 struct RowSweep {
@@ -44,26 +39,33 @@ struct RowSweep {
   const RowLayout *layout = nullptr, *layout_before = nullptr;
   const std::uint8_t* costs = nullptr;
   std::uint8_t* sums = nullptr;
-  std::array<PathLine, 3>*before = nullptr, *here = nullptr;
-  PathLine* along = nullptr;
+  Slots along;                        // of the pixel before and this one
+  std::array<Slots, 3> before, here;  // of paths that come from the row before
   const std::uint8_t* zeros = nullptr;
 
-  // Path 0 comes along the row; the others from the row before: the column before, this, the next.
-  PathEnd Before(int path, int column) const {
-    const int from = column + (path - 2 + (path == 0)) * step;
-    const RowLayout* layout_there = path == 0 ? layout : layout_before;
-    if (layout_there == nullptr || from < 0 || from >= columns) {
-      return {zeros, layout->first[column], layout->count[column], 0};
-    }
-    PathLine& line = path == 0 ? *along : (*before)[path - 1];
-    const int slot = path == 0 ? from % 2 : from;
-    return {line.Costs(slot), layout_there->first[from], layout_there->count[from],
-            line.Least(slot)};
+  PathEnd EndIn(const Slots& slots, const RowLayout& there, int slot, int column) const {
+    return {slots.costs + slot * slots.stride, slots.least + slot, there.first[column],
+            there.count[column]};
   }
-  PathOutput Here(int path, int column) const {
-    PathLine& line = path == 0 ? *along : (*here)[path - 1];
-    const int slot = path == 0 ? column % 2 : column;
-    return {line.Costs(slot), &line.Least(slot)};
+  PathEnd OutsideOf(int column) const {
+    return {zeros, zeros, layout->first[column], layout->count[column]};
+  }
+  bool HasColumn(int column) const { return column >= 0 && column < columns; }
+
+  PathEnd Along(int column) const {
+    const int from = column - step;
+    return HasColumn(from) ? EndIn(along, *layout, from & 1, from) : OutsideOf(column);
+  }
+  PathEnd Across(int path, int column) const {
+    const int from = column + (path - 1) * step;
+    const bool is_there = layout_before != nullptr && HasColumn(from);
+    return is_there ? EndIn(before[path], *layout_before, from, from) : OutsideOf(column);
+  }
+  // Whether the pixels before it on all paths have its window.
+  bool IsWithinTile(int column) const {
+    constexpr int kLast = TileWindows::kTilePx - 1;
+    const int in_tile = column & kLast;
+    return layout == layout_before && in_tile > 0 && in_tile < kLast && column + 1 < columns;
   }
 };
 
@@ -78,81 +80,92 @@ namespace hn = hwy::HWY_NAMESPACE;
 using Costs = hn::CappedTag<std::uint8_t, DisparityWindow::kGrain>;
 using CostVector = hn::Vec<Costs>;
 
-// A vector's least cost, by way of pairs as 16 bit, for which there is an instruction.
-HWY_INLINE std::uint8_t LeastOf(CostVector costs) {
+// By way of pairs as 16 bit, for which there is an instruction.
+template <class Tag>
+HWY_INLINE std::uint8_t LeastOf([[maybe_unused]] Tag tag, hn::Vec<Tag> costs) {
 #if HWY_TARGET == HWY_SCALAR
   return hn::GetLane(costs);
 #else
-  const Costs tag;
-  const hn::Repartition<std::uint16_t, Costs> pairs;
-  const auto high = hn::BitCast(tag, hn::ShiftRight<8>(hn::BitCast(pairs, costs)));
-  // The upper byte of each pair becomes 0.
-  const auto least = hn::BitCast(pairs, hn::Min(costs, high));
-  return static_cast<std::uint8_t>(hn::GetLane(hn::MinOfLanes(pairs, least)));
+  if constexpr (hn::MaxLanes(tag) > 16) {
+    const hn::Half<Tag> half;
+    return LeastOf(half, hn::Min(hn::LowerHalf(half, costs), hn::UpperHalf(half, costs)));
+  } else {
+    const hn::Repartition<std::uint16_t, Tag> pairs;
+    const auto high = hn::BitCast(tag, hn::ShiftRight<8>(hn::BitCast(pairs, costs)));
+    // The upper byte of each pair becomes 0.
+    const auto least = hn::BitCast(pairs, hn::Min(costs, high));
+    return static_cast<std::uint8_t>(hn::GetLane(hn::MinOfLanes(pairs, least)));
+  }
 #endif
 }
 
-// m(p, d) for a vector of disparities that begin `ahead` of the window's first.
-HWY_INLINE CostVector StepFrom(const PathEnd& before, int ahead, CostVector small_step,
-                               CostVector large_step) {
+struct Steps {
+  CostVector small_step, large_step;
+};
+
+// m(p, d) for a vector of disparities that begin `ahead` of the first of q's window.
+template <bool kSameWindow>
+HWY_INLINE CostVector StepFrom(const PathEnd& before, int ahead, const Steps& steps) {
   const Costs tag;
   // Beyond these all is large.
-  const int shift = std::clamp(ahead, -DisparityWindow::kGrain - 1, before.count + 1);
-  const std::uint8_t* costs = before.costs + shift;
-  const auto least = hn::Set(tag, before.least);
+  if constexpr (!kSameWindow) {
+    ahead = std::clamp(ahead, -DisparityWindow::kGrain - 1, before.count + 1);
+  }
+  const std::uint8_t* costs = before.costs + ahead;
+  const auto least = hn::Set(tag, *before.least);
   const auto stepped = hn::SaturatedAdd(
-      hn::Min(hn::LoadU(tag, costs - 1), hn::LoadU(tag, costs + 1)), small_step);
-  const auto best = hn::Min(hn::Min(hn::LoadU(tag, costs), stepped), hn::Add(least, large_step));
-  return hn::Sub(best, least);
+      hn::Min(hn::LoadU(tag, costs - 1), hn::LoadU(tag, costs + 1)), steps.small_step);
+  const auto large = hn::Add(least, steps.large_step);
+  return hn::Sub(hn::Min(hn::Min(hn::LoadU(tag, costs), stepped), large), least);
 }
 
-HWY_INLINE void SweepPixel(const PixelStep& pixel, CostVector small_step, CostVector large_step) {
+template <bool kSameWindow>
+HWY_INLINE void SweepPixel(const RowSweep& row, int column, const Steps& steps) {
   const Costs tag;
+  const int first = row.layout->first[column], count = row.layout->count[column];
+  const std::size_t offset = row.layout->offset[column];
+  const PathEnd end0 = row.Along(column), end1 = row.Across(0, column),
+                end2 = row.Across(1, column), end3 = row.Across(2, column);
+  std::uint8_t* const here0 = row.along.costs + (column & 1) * row.along.stride;
+  const std::ptrdiff_t slot = column * row.here[0].stride;
+  std::uint8_t *const here1 = row.here[0].costs + slot, *const here2 = row.here[1].costs + slot,
+                      *const here3 = row.here[2].costs + slot;
   auto least0 = hn::Set(tag, 255), least1 = least0, least2 = least0, least3 = least0;
-  for (int i = 0; i < pixel.count; i += static_cast<int>(hn::Lanes(tag))) {
-    const auto cost = hn::LoadU(tag, pixel.costs + i);
-    auto sum = hn::Zero(tag);
-    const auto follow = [&](int path, CostVector& least) HWY_ATTR {
-      const PathEnd& before = pixel.before[path];
-      const auto step =
-          StepFrom(before, pixel.first - before.first + i, small_step, large_step);
+  for (int i = 0; i < count; i += static_cast<int>(hn::Lanes(tag))) {
+    const auto cost = hn::LoadU(tag, row.costs + offset + i);
+    const auto follow = [&](const PathEnd& end, std::uint8_t* here, CostVector& least) HWY_ATTR {
+      const int ahead = kSameWindow ? i : first - end.first + i;
+      const auto step = StepFrom<kSameWindow>(end, ahead, steps);
       const auto aggregated = hn::Add(cost, step);
-      sum = hn::Add(sum, step);
       least = hn::Min(least, aggregated);
-      hn::StoreU(aggregated, tag, pixel.here[path].costs + i);
+      hn::StoreU(aggregated, tag, here + i);
+      return step;
     };
-    follow(0, least0);
-    follow(1, least1);
-    follow(2, least2);
-    follow(3, least3);
-    hn::StoreU(sum, tag, pixel.sums + i);
+    const auto step0 = follow(end0, here0, least0), step1 = follow(end1, here1, least1);
+    const auto step2 = follow(end2, here2, least2), step3 = follow(end3, here3, least3);
+    hn::StoreU(hn::Add(hn::Add(step0, step1), hn::Add(step2, step3)), tag, row.sums + offset + i);
   }
-  *pixel.here[0].least = LeastOf(least0);
-  *pixel.here[1].least = LeastOf(least1);
-  *pixel.here[2].least = LeastOf(least2);
-  *pixel.here[3].least = LeastOf(least3);
+  row.along.least[column & 1] = LeastOf(tag, least0);
+  row.here[0].least[column] = LeastOf(tag, least1);
+  row.here[1].least[column] = LeastOf(tag, least2);
+  row.here[2].least[column] = LeastOf(tag, least3);
   // The slots along the row change their windows from tile to tile.
   for (int i = 0; i < 2 * DisparityWindow::kGrain; i += static_cast<int>(hn::Lanes(tag))) {
-    hn::StoreU(hn::Set(tag, 255), tag, pixel.here[0].costs + pixel.count + i);
+    hn::StoreU(hn::Set(tag, 255), tag, here0 + count + i);
   }
 }
 
 HWY_NOINLINE void SweepRow(const RowSweep& row) {
   const Costs tag;
-  const auto small_step = hn::Set(tag, static_cast<std::uint8_t>(row.small_step));
-  const auto large_step = hn::Set(tag, static_cast<std::uint8_t>(CostScale::kLargeStep));
+  const Steps steps{hn::Set(tag, static_cast<std::uint8_t>(row.small_step)),
+                    hn::Set(tag, static_cast<std::uint8_t>(CostScale::kLargeStep))};
   for (int i = 0; i < row.columns; ++i) {
     const int column = row.step > 0 ? i : row.columns - 1 - i;
-    PixelStep pixel;
-    for (int path = 0; path < kPaths; ++path) {
-      pixel.before[path] = row.Before(path, column);
-      pixel.here[path] = row.Here(path, column);
+    if (row.IsWithinTile(column)) {
+      SweepPixel<true>(row, column, steps);
+    } else {
+      SweepPixel<false>(row, column, steps);
     }
-    pixel.first = row.layout->first[column];
-    pixel.count = row.layout->count[column];
-    pixel.costs = row.costs + row.layout->offset[column];
-    pixel.sums = row.sums + row.layout->offset[column];
-    SweepPixel(pixel, small_step, large_step);
   }
 }
 
@@ -165,7 +178,9 @@ namespace rigmap {
 
 HWY_EXPORT(SweepRow);
 
-int PathLine::StrideOf(int largest_count) { return (kBefore + largest_count + kBehind + 63) / 64 * 64; }
+int PathLine::StrideOf(int largest_count) {
+  return (kBefore + largest_count + kBehind + 63) / 64 * 64;
+}
 
 std::size_t PathLine::BytesOf(int columns, int largest_count) {
   return static_cast<std::size_t>(columns) * (StrideOf(largest_count) + 1);
@@ -218,9 +233,11 @@ void PathSweep::Sweep(const RowLayout& layout, const std::uint8_t* costs, std::u
   row.layout_before = layout_before_;
   row.costs = costs;
   row.sums = sums;
-  row.before = &before_;
-  row.here = &here_;
-  row.along = &along_;
+  row.along = Slots(along_);
+  for (int i = 0; i < 3; ++i) {
+    row.before[i] = Slots(before_[i]);
+    row.here[i] = Slots(here_[i]);
+  }
   row.zeros = zeros_.data() + 1;
   HWY_DYNAMIC_DISPATCH(SweepRow)(row);
   std::swap(before_, here_);

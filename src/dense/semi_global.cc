@@ -31,14 +31,30 @@ class SemiGlobalMatching {
     for (int i = 0; i < windows.rows; ++i) layouts_.emplace_back(windows, i);
   }
 
-  cv::Mat Match() {
+  cv::Mat Match(std::size_t volume_bytes) {
     PathSweep down = MakeSweep(PathSweep::Direction::kDown);
-    for (int i = 0; i < windows_.rows; ++i) Descend(i, down);
-    Ascend(0, windows_.rows);
+    int swept = 0;  // rows of tiles whose costs are held, from `first` on
+    for (int first = 0, end = 0; first < windows_.rows; first = end) {
+      std::size_t held = VolumeBytes(first, swept);
+      while (swept < windows_.rows && (swept - first <= kOverlapTiles ||
+                                       held + VolumeBytes(swept, swept + 1) <= volume_bytes)) {
+        held += VolumeBytes(swept, swept + 1);
+        Descend(swept++, down);
+      }
+      end = swept == windows_.rows ? swept : swept - kOverlapTiles;
+      Ascend(first, end, swept);
+      for (int i = first; i < end; ++i) tile_rows_[i] = {};
+    }
     return disparities_;
   }
 
  private:
+  std::size_t VolumeBytes(int first_tile_row, int end_tile_row) const {
+    std::size_t bytes = 0;
+    for (int i = first_tile_row; i < end_tile_row; ++i) bytes += 2 * layouts_[i].bytes * RowsOf(i);
+    return bytes;
+  }
+
   int RowsOf(int tile_row) const {
     constexpr int kTilePx = TileWindows::kTilePx;
     return std::min(kTilePx, windows_.size.height - tile_row * kTilePx);
@@ -61,16 +77,18 @@ class SemiGlobalMatching {
     }
   }
 
-  void Ascend(int first_tile_row, int end_tile_row) {
+  // From below `swept` up to `first`; rows below `end` are not complete yet.
+  void Ascend(int first, int end, int swept) {
     PathSweep up = MakeSweep(PathSweep::Direction::kUp);
     WinnerRow winners(windows_.size.width, windows_.LargestCount(), options_);
     std::vector<std::uint8_t> sums_below;
-    for (int tile_row = end_tile_row - 1; tile_row >= first_tile_row; --tile_row) {
+    for (int tile_row = swept - 1; tile_row >= first; --tile_row) {
       const RowLayout& layout = layouts_[tile_row];
       sums_below.resize(layout.bytes);
       for (int row = RowsOf(tile_row) - 1; row >= 0; --row) {
         const std::uint8_t* costs = tile_rows_[tile_row].costs.get() + row * layout.bytes;
         up.Sweep(layout, costs, sums_below.data());
+        if (tile_row >= end) continue;
         const RowCosts found{&layout, costs,
                              tile_rows_[tile_row].sums_above.get() + row * layout.bytes,
                              sums_below.data()};
@@ -92,8 +110,30 @@ class SemiGlobalMatching {
 }  // namespace
 
 cv::Mat MatchSemiGlobal(const cv::Mat& left, const cv::Mat& right, const TileWindows& windows,
-                        const DenseOptions& options) {
-  return SemiGlobalMatching(left, right, windows, options).Match();
+                        const DenseOptions& options, std::size_t volume_bytes) {
+  return SemiGlobalMatching(left, right, windows, options).Match(volume_bytes);
+}
+
+std::size_t SemiGlobalBytes(const TileWindows& windows, const DenseOptions& options,
+                            std::size_t volume_bytes) {
+  const int width = windows.size.width, count = windows.LargestCount();
+  std::size_t whole = 0, largest_strip = 0;
+  std::vector<std::size_t> of_tile_row;
+  for (int i = 0; i < windows.rows; ++i) {
+    std::size_t row_bytes = 0;
+    for (int x = 0; x < width; ++x) row_bytes += windows.At(x / TileWindows::kTilePx, i).count;
+    of_tile_row.push_back(2 * row_bytes * TileWindows::kTilePx);
+    whole += of_tile_row.back();
+    std::size_t strip = 0;
+    for (int j = std::max(0, i - kOverlapTiles); j <= i; ++j) strip += of_tile_row[j];
+    largest_strip = std::max(largest_strip, strip);
+  }
+  const std::size_t volume = std::min(whole, std::max(volume_bytes, largest_strip));
+  const std::size_t layouts = static_cast<std::size_t>(windows.rows) * width * 16;
+  const std::size_t disparities = windows.size.area() * sizeof(std::int16_t);
+  return volume + 2 * PathSweep::BytesOf(width, count) + layouts + disparities +
+         MatchingCost::WorkBytes(windows, options) +
+         static_cast<std::size_t>(width) * (count + WinnerRow::kBytesPerColumn);
 }
 
 }  // namespace rigmap

@@ -17,6 +17,20 @@ namespace hn = hwy::HWY_NAMESPACE;
 using PathSums = hn::CappedTag<std::uint16_t, DisparityWindow::kGrain / 2>;
 using PathBytes = hn::Half<hn::Repartition<std::uint8_t, PathSums>>;
 
+template <class Tag>
+HWY_INLINE std::uint16_t LeastSum([[maybe_unused]] Tag tag, hn::Vec<Tag> sums) {
+#if HWY_TARGET == HWY_SCALAR
+  return hn::GetLane(sums);
+#else
+  if constexpr (hn::MaxLanes(tag) > 8) {
+    const hn::Half<Tag> half;
+    return LeastSum(half, hn::Min(hn::LowerHalf(half, sums), hn::UpperHalf(half, sums)));
+  } else {
+    return hn::GetLane(hn::MinOfLanes(tag, sums));
+  }
+#endif
+}
+
 // S = 8 C + all m, and its least.
 HWY_INLINE std::uint16_t SumPaths(const RowCosts& row, std::size_t offset, int count,
                                   std::uint16_t* sums) {
@@ -32,7 +46,7 @@ HWY_INLINE std::uint16_t SumPaths(const RowCosts& row, std::size_t offset, int c
     hn::StoreU(sum, tag, sums + i);
     least = hn::Min(least, sum);
   }
-  return hn::GetLane(hn::MinOfLanes(tag, least));
+  return LeastSum(tag, least);
 }
 
 HWY_INLINE int FirstEqual(const std::uint16_t* sums, std::uint16_t value) {

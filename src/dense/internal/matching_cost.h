@@ -1,6 +1,7 @@
 // How badly a left pixel and a right one fit.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <opencv2/core.hpp>
 #include <vector>
@@ -42,12 +43,13 @@ class MatchingCost {
   void OfTileRow(int tile_row, const RowLayout& layout, std::uint8_t* costs) const;
 
   // What OfTileRow takes besides.
-  std::size_t WorkBytes() const;
+  static std::size_t WorkBytes(const TileWindows& windows, const DenseOptions& options);
 
  private:
   cv::Mat left_, right_;
   const TileWindows& windows_;
   int radius_ = 0;
+  std::size_t work_bytes_ = 0;
   CostScale scale_;
 };
 

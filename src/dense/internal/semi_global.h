@@ -1,4 +1,4 @@
-// Semi-global matching over eight paths (Hirschmueller 2008).
+// Semi-global matching over eight paths (Hirschmüller 2008).
 #pragma once
 
 #include <cstddef>
@@ -9,15 +9,22 @@
 
 namespace rigmap {
 
-// Disparities of the left view, CV_16S in steps of 1/16 px, negative where not sure
-// (WinnerRow::kNoDisparity): a winner that is not unique, at the edge of its window, contradicted
-// by the right view, or beyond that view's edge. Views CV_8UC1 of equal size, that of the windows.
+// Disparities of the left view, CV_16S in steps of 1/16 px; WinnerRow::kNoDisparity where the
+// winner is not unique, at the edge of its window, contradicted by the right view, or beyond that
+// view's edge. Views CV_8UC1 of equal size, that of the windows.
 //
-// Takes two bytes for each pixel and disparity that is searched. Where that is more than
-// `most_bytes`, the image is matched in strips of as many rows as fit: paths from above are the
-// same, those from below begin kOverlapRows further down. One thread; the result depends on
-// nothing but the arguments.
+// The cost volume takes two bytes for each pixel and disparity that is searched. Where that is more
+// than `volume_bytes`, the image is matched in strips of as many rows as fit: paths from above are
+// the same, those from below begin kOverlapTiles rows of tiles further down. One thread; the result
+// depends on nothing but the arguments.
 cv::Mat MatchSemiGlobal(const cv::Mat& left, const cv::Mat& right, const TileWindows& windows,
-                        const DenseOptions& options);
+                        const DenseOptions& options, std::size_t volume_bytes);
+
+inline constexpr int kOverlapTiles = 4;
+
+// At most what MatchSemiGlobal takes, bytes: volumes as asked for, or those of one row of tiles and
+// its overlap where that is more, and what is kept besides.
+std::size_t SemiGlobalBytes(const TileWindows& windows, const DenseOptions& options,
+                            std::size_t volume_bytes);
 
 }  // namespace rigmap

@@ -1,6 +1,7 @@
 // Which disparity wins at each pixel of a row.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -24,16 +25,17 @@ class WinnerRow {
  public:
   static constexpr int kSteps = 16;
   static constexpr std::int16_t kNoDisparity = -kSteps;
+  static constexpr std::size_t kBytesPerColumn = 32;  // that it takes
 
   WinnerRow(int columns, int largest_count, const DenseOptions& options);
 
   void Choose(const RowCosts& row, std::span<std::int16_t> disparities);
 
-  // A winner: the least sum, those one less and one more, and how many others are nearly as low.
+  // The least sum of a pixel, and those of one disparity less and more.
   struct Winner {
     int index = 0;  // in the window
     int least = 0, before = 0, after = 0;
-    bool unique = false;
+    bool unique = false;  // no other sum is nearly as low
   };
 
  private:
@@ -41,9 +43,9 @@ class WinnerRow {
 
   int uniqueness_pct_ = 0, left_right_px_ = 0;
   std::vector<Winner> winners_;
-  std::vector<std::uint16_t> sums_;                   // of one pixel
-  std::vector<std::uint16_t> right_least_;            // by column of the right view
-  std::vector<std::int16_t> right_disparity_;         // px
+  std::vector<std::uint16_t> sums_;            // of one pixel
+  std::vector<std::uint16_t> right_least_;     // by column of the right view
+  std::vector<std::int16_t> right_disparity_;  // px
 };
 
 }  // namespace rigmap
