@@ -109,8 +109,8 @@ TileWindows WholeRange(cv::Size size, int range_px) {
   return {size, {.first = 0, .count = InGrains(range_px + 1)}};
 }
 
-TileWindows WindowsAround(const cv::Mat& half_disparity, cv::Size size, int range_px) {
-  TileWindows windows = WholeRange(size, range_px);
+TileWindows WindowsAround(const cv::Mat& half_disparity, cv::Size size) {
+  TileWindows windows(size, DisparityWindow());
   FoundRanges ranges = RangesOfTiles(half_disparity, windows).Grown(false);
   if (ranges.AllEmpty()) return windows;
   while (ranges.HasEmpty()) ranges = ranges.Grown(true);

@@ -52,14 +52,20 @@ struct RowSweep {
   }
   bool HasColumn(int column) const { return column >= 0 && column < columns; }
 
+  // Where pixels before have the same windows, those need not be known.
+  template <bool kSameWindow>
   PathEnd Along(int column) const {
-    const int from = column - step;
+    const int from = column - step, slot = from & 1;
+    if (kSameWindow) return {along.costs + slot * along.stride, along.least + slot};
     return HasColumn(from) ? EndIn(along, *layout, from & 1, from) : OutsideOf(column);
   }
+  template <bool kSameWindow>
   PathEnd Across(int path, int column) const {
     const int from = column + (path - 1) * step;
+    const Slots& slots = before[path];
+    if (kSameWindow) return {slots.costs + from * slots.stride, slots.least + from};
     const bool is_there = layout_before != nullptr && HasColumn(from);
-    return is_there ? EndIn(before[path], *layout_before, from, from) : OutsideOf(column);
+    return is_there ? EndIn(slots, *layout_before, from, from) : OutsideOf(column);
   }
   // Whether the pixels before it on all paths have its window.
   bool IsWithinTile(int column) const {
@@ -79,6 +85,7 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 using Costs = hn::CappedTag<std::uint8_t, DisparityWindow::kGrain>;
 using CostVector = hn::Vec<Costs>;
+constexpr bool kCanCarry = hn::MaxLanes(Costs()) == DisparityWindow::kGrain;
 
 // By way of pairs as 16 bit, for which there is an instruction.
 template <class Tag>
@@ -119,13 +126,51 @@ HWY_INLINE CostVector StepFrom(const PathEnd& before, int ahead, const Steps& st
   return hn::Sub(hn::Min(hn::Min(hn::LoadU(tag, costs), stepped), large), least);
 }
 
-template <bool kSameWindow>
-HWY_INLINE void SweepPixel(const RowSweep& row, int column, const Steps& steps) {
+// What the pixel before on the row leaves in registers: to read it back from memory, one disparity
+// off, takes longer than all else.
+struct Carried {
+  CostVector costs;
+  std::uint8_t least = 0;
+};
+
+enum class Window {
+  kAny,
+  kSame,        // at all pixels before
+  kSameVector,  // and as long as a vector
+};
+
+// Disparity d receives the cost of d - 1, or of d + 1; the last one a large cost.
+template <class Tag>
+HWY_INLINE hn::Vec<Tag> LeastBeside([[maybe_unused]] Tag tag, hn::Vec<Tag> costs) {
+#if HWY_TARGET == HWY_SCALAR
+  return costs;  // never called
+#else
+  const auto large = hn::Set(tag, 255);
+  const auto below =
+      hn::CombineShiftRightBytes<15>(tag, costs, hn::ConcatLowerLower(tag, costs, large));
+  const auto above =
+      hn::CombineShiftRightBytes<1>(tag, hn::ConcatUpperUpper(tag, large, costs), costs);
+  return hn::Min(below, above);
+#endif
+}
+
+template <class Tag>
+HWY_INLINE hn::Vec<Tag> StepFromCarried(Tag tag, const Carried& carried, const Steps& steps) {
+  const auto least = hn::Set(tag, carried.least);
+  const auto stepped = hn::SaturatedAdd(LeastBeside(tag, carried.costs), steps.small_step);
+  const auto large = hn::Add(least, steps.large_step);
+  return hn::Sub(hn::Min(hn::Min(carried.costs, stepped), large), least);
+}
+
+template <Window kWindow>
+HWY_INLINE void SweepPixel(const RowSweep& row, int column, const Steps& steps, Carried& carried) {
+  constexpr bool kSameWindow = kWindow != Window::kAny;
   const Costs tag;
   const int first = row.layout->first[column], count = row.layout->count[column];
   const std::size_t offset = row.layout->offset[column];
-  const PathEnd end0 = row.Along(column), end1 = row.Across(0, column),
-                end2 = row.Across(1, column), end3 = row.Across(2, column);
+  const PathEnd end0 = row.Along<kSameWindow>(column), end1 = row.Across<kSameWindow>(0, column),
+                end2 = row.Across<kSameWindow>(1, column),
+                end3 = row.Across<kSameWindow>(2, column);
   std::uint8_t* const here0 = row.along.costs + (column & 1) * row.along.stride;
   const std::ptrdiff_t slot = column * row.here[0].stride;
   std::uint8_t *const here1 = row.here[0].costs + slot, *const here2 = row.here[1].costs + slot,
@@ -133,19 +178,30 @@ HWY_INLINE void SweepPixel(const RowSweep& row, int column, const Steps& steps) 
   auto least0 = hn::Set(tag, 255), least1 = least0, least2 = least0, least3 = least0;
   for (int i = 0; i < count; i += static_cast<int>(hn::Lanes(tag))) {
     const auto cost = hn::LoadU(tag, row.costs + offset + i);
-    const auto follow = [&](const PathEnd& end, std::uint8_t* here, CostVector& least) HWY_ATTR {
+    const auto step_from = [&](const PathEnd& end) HWY_ATTR {
       const int ahead = kSameWindow ? i : first - end.first + i;
-      const auto step = StepFrom<kSameWindow>(end, ahead, steps);
+      return StepFrom<kSameWindow>(end, ahead, steps);
+    };
+    const auto aggregate = [&](CostVector step, std::uint8_t* here, CostVector& least) HWY_ATTR {
       const auto aggregated = hn::Add(cost, step);
       least = hn::Min(least, aggregated);
       hn::StoreU(aggregated, tag, here + i);
-      return step;
     };
-    const auto step0 = follow(end0, here0, least0), step1 = follow(end1, here1, least1);
-    const auto step2 = follow(end2, here2, least2), step3 = follow(end3, here3, least3);
+    CostVector step0;
+    if constexpr (kWindow == Window::kSameVector) {
+      step0 = StepFromCarried(tag, carried, steps);
+    } else {
+      step0 = step_from(end0);
+    }
+    const auto step1 = step_from(end1), step2 = step_from(end2), step3 = step_from(end3);
+    aggregate(step0, here0, least0);
+    aggregate(step1, here1, least1);
+    aggregate(step2, here2, least2);
+    aggregate(step3, here3, least3);
     hn::StoreU(hn::Add(hn::Add(step0, step1), hn::Add(step2, step3)), tag, row.sums + offset + i);
   }
-  row.along.least[column & 1] = LeastOf(tag, least0);
+  carried = {least0, LeastOf(tag, least0)};  // the costs, where there was one vector of them
+  row.along.least[column & 1] = carried.least;
   row.here[0].least[column] = LeastOf(tag, least1);
   row.here[1].least[column] = LeastOf(tag, least2);
   row.here[2].least[column] = LeastOf(tag, least3);
@@ -159,12 +215,15 @@ HWY_NOINLINE void SweepRow(const RowSweep& row) {
   const Costs tag;
   const Steps steps{hn::Set(tag, static_cast<std::uint8_t>(row.small_step)),
                     hn::Set(tag, static_cast<std::uint8_t>(CostScale::kLargeStep))};
+  Carried carried{hn::Zero(tag)};
   for (int i = 0; i < row.columns; ++i) {
     const int column = row.step > 0 ? i : row.columns - 1 - i;
-    if (row.IsWithinTile(column)) {
-      SweepPixel<true>(row, column, steps);
+    if (!row.IsWithinTile(column)) {
+      SweepPixel<Window::kAny>(row, column, steps, carried);
+    } else if (kCanCarry && row.layout->count[column] == DisparityWindow::kGrain) {
+      SweepPixel<kCanCarry ? Window::kSameVector : Window::kSame>(row, column, steps, carried);
     } else {
-      SweepPixel<false>(row, column, steps);
+      SweepPixel<Window::kSame>(row, column, steps, carried);
     }
   }
 }

@@ -13,6 +13,11 @@
 namespace rigmap {
 namespace {
 
+constexpr int kLeastTiles = 2;  // rows of tiles that are held at least
+
+// Of so many rows of tiles, how many are begun from below and left for the next strip.
+int OverlapOf(int held) { return std::min(kOverlapTiles, held / 2); }
+
 // The costs of a row of tiles.
 struct TileRow {
   hwy::AlignedFreeUniquePtr<std::uint8_t[]> costs, sums_above;
@@ -36,12 +41,12 @@ class SemiGlobalMatching {
     int swept = 0;  // rows of tiles whose costs are held, from `first` on
     for (int first = 0, end = 0; first < windows_.rows; first = end) {
       std::size_t held = VolumeBytes(first, swept);
-      while (swept < windows_.rows && (swept - first <= kOverlapTiles ||
+      while (swept < windows_.rows && (swept - first < kLeastTiles ||
                                        held + VolumeBytes(swept, swept + 1) <= volume_bytes)) {
         held += VolumeBytes(swept, swept + 1);
         Descend(swept++, down);
       }
-      end = swept == windows_.rows ? swept : swept - kOverlapTiles;
+      end = swept == windows_.rows ? swept : swept - OverlapOf(swept - first);
       Ascend(first, end, swept);
       for (int i = first; i < end; ++i) tile_rows_[i] = {};
     }
@@ -124,9 +129,8 @@ std::size_t SemiGlobalBytes(const TileWindows& windows, const DenseOptions& opti
     for (int x = 0; x < width; ++x) row_bytes += windows.At(x / TileWindows::kTilePx, i).count;
     of_tile_row.push_back(2 * row_bytes * TileWindows::kTilePx);
     whole += of_tile_row.back();
-    std::size_t strip = 0;
-    for (int j = std::max(0, i - kOverlapTiles); j <= i; ++j) strip += of_tile_row[j];
-    largest_strip = std::max(largest_strip, strip);
+    const std::size_t row_before = i == 0 ? 0 : of_tile_row[i - 1];
+    largest_strip = std::max(largest_strip, row_before + of_tile_row[i]);
   }
   const std::size_t volume = std::min(whole, std::max(volume_bytes, largest_strip));
   const std::size_t layouts = static_cast<std::size_t>(windows.rows) * width * 16;

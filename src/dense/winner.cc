@@ -68,24 +68,22 @@ HWY_INLINE int CountBelow(const std::uint16_t* sums, int count, std::uint16_t li
   return static_cast<int>(found);
 }
 
-HWY_NOINLINE void FindWinners(const RowCosts& row, int uniqueness_pct, std::uint16_t* sums,
+// `limits`: by the least sum, what the others may not be below.
+HWY_NOINLINE void FindWinners(const RowCosts& row, const std::uint16_t* limits, std::uint16_t* sums,
                               std::span<WinnerRow::Winner> winners) {
   for (std::size_t column = 0; column < winners.size(); ++column) {
     const int count = row.layout->count[column];
     const std::uint16_t least = SumPaths(row, row.layout->offset[column], count, sums);
+    const std::uint16_t limit = limits[least];
     WinnerRow::Winner& winner = winners[column];
     winner.index = FirstEqual(sums, least);
     winner.least = least;
-    winner.before = sums[std::max(winner.index - 1, 0)];
-    winner.after = sums[std::min(winner.index + 1, count - 1)];
-    // Others below least / (1 - uniqueness), but for the neighbours of the winner.
-    const int share = std::max(1, 100 - uniqueness_pct);
-    const int limit = std::min((100 * least + share - 1) / share, 65535);
-    int near = 0;
-    for (int i = std::max(winner.index - 1, 0); i <= std::min(winner.index + 1, count - 1); ++i) {
-      near += sums[i] < limit;
-    }
-    winner.unique = CountBelow(sums, count, static_cast<std::uint16_t>(limit)) == near;
+    const bool has_before = winner.index > 0, has_after = winner.index + 1 < count;
+    winner.before = sums[winner.index - has_before];
+    winner.after = sums[winner.index + has_after];
+    const int near = (least < limit) + (has_before & (winner.before < limit)) +
+                     (has_after & (winner.after < limit));
+    winner.unique = CountBelow(sums, count, limit) == near;
   }
 }
 
@@ -108,15 +106,20 @@ int ParabolaSteps(const WinnerRow::Winner& winner) {
 }  // namespace
 
 WinnerRow::WinnerRow(int columns, int largest_count, const DenseOptions& options)
-    : uniqueness_pct_(options.uniqueness_pct),
+    : limits_(kSums),
       left_right_px_(options.left_right_px),
       winners_(columns),
       sums_(largest_count),
       right_least_(columns),
-      right_disparity_(columns) {}
+      right_disparity_(columns) {
+  const int share = std::max(1, 100 - options.uniqueness_pct);
+  for (int least = 0; least < kSums; ++least) {
+    limits_[least] = static_cast<std::uint16_t>(std::min((100 * least + share - 1) / share, 65535));
+  }
+}
 
 void WinnerRow::Choose(const RowCosts& row, std::span<std::int16_t> disparities) {
-  HWY_DYNAMIC_DISPATCH(FindWinners)(row, uniqueness_pct_, sums_.data(), winners_);
+  HWY_DYNAMIC_DISPATCH(FindWinners)(row, limits_.data(), sums_.data(), winners_);
   std::fill(right_least_.begin(), right_least_.end(), std::uint16_t{65535});
   std::fill(right_disparity_.begin(), right_disparity_.end(), kNoDisparity);
   for (int column = 0; column < static_cast<int>(winners_.size()); ++column) {

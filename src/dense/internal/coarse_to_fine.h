@@ -22,7 +22,7 @@ cv::Mat MatchCoarseToFine(const cv::Mat& left, const cv::Mat& right, double rang
 inline constexpr double kWholeSearch = 40.0;
 
 // At most what MatchCoarseToFine takes, bytes. Of that the cost volumes are 96 bytes a pixel, or
-// more only where five rows of tiles searched over the whole range need it.
+// more only where two rows of tiles searched over the whole range need it.
 std::size_t CoarseToFineBytes(cv::Size size, double range_px, const DenseOptions& options);
 
 }  // namespace rigmap

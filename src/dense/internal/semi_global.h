@@ -15,15 +15,15 @@ namespace rigmap {
 //
 // The cost volume takes two bytes for each pixel and disparity that is searched. Where that is more
 // than `volume_bytes`, the image is matched in strips of as many rows as fit: paths from above are
-// the same, those from below begin kOverlapTiles rows of tiles further down. One thread; the result
-// depends on nothing but the arguments.
+// the same, those from below begin up to kOverlapTiles rows of tiles further down. One thread; the
+// result depends on nothing but the arguments.
 cv::Mat MatchSemiGlobal(const cv::Mat& left, const cv::Mat& right, const TileWindows& windows,
                         const DenseOptions& options, std::size_t volume_bytes);
 
 inline constexpr int kOverlapTiles = 4;
 
-// At most what MatchSemiGlobal takes, bytes: volumes as asked for, or those of one row of tiles and
-// its overlap where that is more, and what is kept besides.
+// At most what MatchSemiGlobal takes, bytes: volumes as asked for, or those of two rows of tiles
+// where that is more, and what is kept besides.
 std::size_t SemiGlobalBytes(const TileWindows& windows, const DenseOptions& options,
                             std::size_t volume_bytes);
 

@@ -41,7 +41,10 @@ class WinnerRow {
  private:
   void CompareViews(std::span<std::int16_t> disparities) const;
 
-  int uniqueness_pct_ = 0, left_right_px_ = 0;
+  static constexpr int kSums = 8 * 256;  // of eight aggregated costs of a byte
+
+  std::vector<std::uint16_t> limits_;  // by the least sum, what others may not be below
+  int left_right_px_ = 0;
   std::vector<Winner> winners_;
   std::vector<std::uint16_t> sums_;            // of one pixel
   std::vector<std::uint16_t> right_least_;     // by column of the right view
