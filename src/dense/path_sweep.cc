@@ -122,7 +122,7 @@ HWY_INLINE CostVector StepFrom(const PathEnd& before, int ahead, const Steps& st
   const auto least = hn::Set(tag, *before.least);
   const auto stepped = hn::SaturatedAdd(
       hn::Min(hn::LoadU(tag, costs - 1), hn::LoadU(tag, costs + 1)), steps.small_step);
-  const auto large = hn::Add(least, steps.large_step);
+  const auto large = hn::SaturatedAdd(least, steps.large_step);
   return hn::Sub(hn::Min(hn::Min(hn::LoadU(tag, costs), stepped), large), least);
 }
 
@@ -158,7 +158,7 @@ template <class Tag>
 HWY_INLINE hn::Vec<Tag> StepFromCarried(Tag tag, const Carried& carried, const Steps& steps) {
   const auto least = hn::Set(tag, carried.least);
   const auto stepped = hn::SaturatedAdd(LeastBeside(tag, carried.costs), steps.small_step);
-  const auto large = hn::Add(least, steps.large_step);
+  const auto large = hn::SaturatedAdd(least, steps.large_step);
   return hn::Sub(hn::Min(hn::Min(carried.costs, stepped), large), least);
 }
 

@@ -39,8 +39,8 @@ class PathLine {
 // descending, along the four paths that come from pixels swept before (Hirschmueller 2008, eq. 13):
 //   L(p, d) = C(p, d) + m(p, d)
 //   m(p, d) = min(L(q, d), L(q, d - 1) + small, L(q, d + 1) + small, min L(q) + large) - min L(q)
-// with q the pixel before p. Disparities outside of q's window cost min L(q) + large; at the edge
-// of the image, m is 0.
+// with q the pixel before p. Costs are bytes: disparities outside of q's window cost 255, and so
+// does whatever would cost more. At the edge of the image, m is 0.
 class PathSweep {
  public:
   enum class Direction { kDown, kUp };
