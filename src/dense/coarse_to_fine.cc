@@ -12,7 +12,7 @@ namespace rigmap {
 namespace {
 
 // Images this small are searched over the whole range: entries of the cost volume.
-constexpr double kSmallVolume = 16e6;
+constexpr double kSmallVolume = 4e6;
 constexpr int kLeastSide = 64;  // px; of what is halved
 // Views and disparities of all levels, and what OpenCV's filters take.
 constexpr std::size_t kImageBytesPerPixel = 32;
@@ -20,7 +20,7 @@ constexpr std::size_t kImageBytesPerPixel = 32;
 // Of cost volumes, where windows allow: 48 disparities a pixel, or a small image as a whole.
 std::size_t VolumeBytes(std::size_t pixels) {
   constexpr std::size_t kBytesPerPixel = 96;
-  return std::max(static_cast<std::size_t>(3 * kSmallVolume), kBytesPerPixel * pixels);
+  return std::max(static_cast<std::size_t>(12 * kSmallVolume), kBytesPerPixel * pixels);
 }
 
 cv::Mat Halved(const cv::Mat& view) {

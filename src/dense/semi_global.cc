@@ -85,7 +85,7 @@ class SemiGlobalMatching {
   // From below `swept` up to `first`; rows below `end` are not complete yet.
   void Ascend(int first, int end, int swept) {
     PathSweep up = MakeSweep(PathSweep::Direction::kUp);
-    WinnerRow winners(windows_.size.width, windows_.LargestCount(), options_);
+    WinnerRow winners(windows_, options_);
     std::vector<std::uint8_t> sums_below;
     for (int tile_row = swept - 1; tile_row >= first; --tile_row) {
       const RowLayout& layout = layouts_[tile_row];

@@ -9,6 +9,19 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#ifndef RIGMAP_DENSE_WINNER
+#define RIGMAP_DENSE_WINNER
+namespace rigmap {
+
+// Of the right view, by column; before the first there are as many as disparities are searched.
+struct RightColumns {
+  std::uint16_t* least = nullptr;
+  std::int16_t* disparity = nullptr;
+};
+
+}  // namespace rigmap
+#endif
+
 HWY_BEFORE_NAMESPACE();
 namespace rigmap {
 namespace HWY_NAMESPACE {
@@ -68,9 +81,29 @@ HWY_INLINE int CountBelow(const std::uint16_t* sums, int count, std::uint16_t li
   return static_cast<int>(found);
 }
 
-// `limits`: by the least sum, what the others may not be below.
+// A right pixel's disparity is that with the least sum of all left pixels that may match it.
+HWY_INLINE void OfferToRight(const std::uint16_t* sums, const DisparityWindow& window,
+                             const RightColumns& right) {
+  const PathSums tag;
+  const hn::RebindToSigned<PathSums> disparity_tag;
+  const int lanes = static_cast<int>(hn::Lanes(tag));
+  for (int i = 0; i < window.count; i += lanes) {
+    const int at = window.count - lanes - i;
+    const auto sum = hn::Reverse(tag, hn::LoadU(tag, sums + i));
+    const auto least = hn::LoadU(tag, right.least + at);
+    const auto last =
+        hn::Set(disparity_tag, static_cast<std::int16_t>(window.first + i + lanes - 1));
+    const auto disparity = hn::Sub(last, hn::Iota(disparity_tag, 0));
+    const auto before = hn::LoadU(disparity_tag, right.disparity + at);
+    const auto is_less = hn::RebindMask(disparity_tag, hn::Lt(sum, least));
+    hn::StoreU(hn::Min(sum, least), tag, right.least + at);
+    hn::StoreU(hn::IfThenElse(is_less, disparity, before), disparity_tag, right.disparity + at);
+  }
+}
+
+// `right`: of column 0. `limits`: by the least sum, what the others may not be below.
 HWY_NOINLINE void FindWinners(const RowCosts& row, const std::uint16_t* limits, std::uint16_t* sums,
-                              std::span<WinnerRow::Winner> winners) {
+                              const RightColumns& right, std::span<WinnerRow::Winner> winners) {
   for (std::size_t column = 0; column < winners.size(); ++column) {
     const int count = row.layout->count[column];
     const std::uint16_t least = SumPaths(row, row.layout->offset[column], count, sums);
@@ -84,6 +117,9 @@ HWY_NOINLINE void FindWinners(const RowCosts& row, const std::uint16_t* limits, 
     const int near = (least < limit) + (has_before & (winner.before < limit)) +
                      (has_after & (winner.after < limit));
     winner.unique = CountBelow(sums, count, limit) == near;
+    const DisparityWindow window{row.layout->first[column], count};
+    const std::ptrdiff_t from = static_cast<std::ptrdiff_t>(column) - window.End() + 1;
+    OfferToRight(sums, window, {right.least + from, right.disparity + from});
   }
 }
 
@@ -105,13 +141,13 @@ int ParabolaSteps(const WinnerRow::Winner& winner) {
 
 }  // namespace
 
-WinnerRow::WinnerRow(int columns, int largest_count, const DenseOptions& options)
+WinnerRow::WinnerRow(const TileWindows& windows, const DenseOptions& options)
     : limits_(kSums),
       left_right_px_(options.left_right_px),
-      winners_(columns),
-      sums_(largest_count),
-      right_least_(columns),
-      right_disparity_(columns) {
+      winners_(windows.size.width),
+      sums_(windows.LargestCount()),
+      right_least_(windows.size.width + windows.End()),
+      right_disparity_(right_least_.size()) {
   const int share = std::max(1, 100 - options.uniqueness_pct);
   for (int least = 0; least < kSums; ++least) {
     limits_[least] = static_cast<std::uint16_t>(std::min((100 * least + share - 1) / share, 65535));
@@ -119,9 +155,11 @@ WinnerRow::WinnerRow(int columns, int largest_count, const DenseOptions& options
 }
 
 void WinnerRow::Choose(const RowCosts& row, std::span<std::int16_t> disparities) {
-  HWY_DYNAMIC_DISPATCH(FindWinners)(row, limits_.data(), sums_.data(), winners_);
   std::fill(right_least_.begin(), right_least_.end(), std::uint16_t{65535});
-  std::fill(right_disparity_.begin(), right_disparity_.end(), kNoDisparity);
+  const std::size_t first = right_least_.size() - winners_.size();
+  HWY_DYNAMIC_DISPATCH(FindWinners)
+  (row, limits_.data(), sums_.data(),
+   {right_least_.data() + first, right_disparity_.data() + first}, winners_);
   for (int column = 0; column < static_cast<int>(winners_.size()); ++column) {
     const Winner& winner = winners_[column];
     const int disparity = row.layout->first[column] + winner.index;
@@ -130,26 +168,19 @@ void WinnerRow::Choose(const RowCosts& row, std::span<std::int16_t> disparities)
     const bool inside = winner.index > 0 && winner.index + 1 < row.layout->count[column];
     if (!winner.unique || !inside || disparity > column) continue;
     disparities[column] = static_cast<std::int16_t>(kSteps * disparity + ParabolaSteps(winner));
-    const int right = column - disparity;
-    if (winner.least < right_least_[right]) {
-      right_least_[right] = static_cast<std::uint16_t>(winner.least);
-      right_disparity_[right] = static_cast<std::int16_t>(disparity);
-    }
   }
   CompareViews(disparities);
 }
 
-// A pixel of the right view is matched by several of the left one: all but that with the least sum
-// are wrong, unless they agree.
+// Seen from the right, a pixel must match about where it was matched from.
 void WinnerRow::CompareViews(std::span<std::int16_t> disparities) const {
   const int columns = static_cast<int>(disparities.size());
+  const std::int16_t* right = right_disparity_.data() + right_disparity_.size() - winners_.size();
   for (int column = 0; column < columns; ++column) {
     const int steps = disparities[column];
     if (steps == kNoDisparity) continue;
     const auto differs = [&](int disparity) {
-      const int right = column - disparity;
-      return right >= 0 && right < columns && right_disparity_[right] != kNoDisparity &&
-             std::abs(right_disparity_[right] - disparity) > left_right_px_;
+      return disparity > column || std::abs(right[column - disparity] - disparity) > left_right_px_;
     };
     if (differs(steps / kSteps) && differs((steps + kSteps - 1) / kSteps)) {
       disparities[column] = kNoDisparity;

@@ -149,9 +149,25 @@ class Reference {
     return true;
   }
 
+  // By column of the right view: the disparity with the least sum; the first of equal ones, by
+  // column of the left view.
+  std::vector<int> SeenFromRight(int row, const std::vector<std::vector<int>>& sums) const {
+    std::vector<int> least(left_.cols, 65535), disparity(left_.cols, 0);
+    for (int column = 0; column < left_.cols; ++column) {
+      const DisparityWindow& window = WindowAt(column, row);
+      for (int d = window.first; d < window.End() && d <= column; ++d) {
+        const int sum = sums[IndexOf(column, row)][d - window.first];
+        if (sum >= least[column - d]) continue;
+        least[column - d] = sum;
+        disparity[column - d] = d;
+      }
+    }
+    return disparity;
+  }
+
   void ChooseInRow(int row, const std::vector<std::vector<int>>& sums, cv::Mat& disparities) const {
     constexpr int kSteps = WinnerRow::kSteps;
-    std::vector<int> right_least(left_.cols, 1 << 20), right_disparity(left_.cols, -1);
+    const std::vector<int> right_disparity = SeenFromRight(row, sums);
     for (int column = 0; column < left_.cols; ++column) {
       const auto& s = sums[IndexOf(column, row)];
       const int best = static_cast<int>(std::min_element(s.begin(), s.end()) - s.begin());
@@ -163,10 +179,6 @@ class Reference {
       const int bend = std::max(s[best - 1] + s[best + 1] - 2 * s[best], 1);
       disparity = static_cast<short>(d * kSteps +
                                      ((s[best - 1] - s[best + 1]) * kSteps + bend) / (2 * bend));
-      if (s[best] < right_least[column - d]) {
-        right_least[column - d] = s[best];
-        right_disparity[column - d] = d;
-      }
     }
     for (int column = 0; column < left_.cols; ++column) {
       auto& disparity = disparities.at<short>(row, column);
@@ -174,8 +186,7 @@ class Reference {
       bool agrees = false;
       for (const int d : {disparity / kSteps, (disparity + kSteps - 1) / kSteps}) {
         const int other = column - d;
-        agrees |= other < 0 || right_disparity[other] < 0 ||
-                  std::abs(right_disparity[other] - d) <= options_.left_right_px;
+        agrees |= other >= 0 && std::abs(right_disparity[other] - d) <= options_.left_right_px;
       }
       if (!agrees) disparity = WinnerRow::kNoDisparity;
     }

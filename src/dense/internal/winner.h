@@ -27,7 +27,7 @@ class WinnerRow {
   static constexpr std::int16_t kNoDisparity = -kSteps;
   static constexpr std::size_t kBytesPerColumn = 32;  // that it takes
 
-  WinnerRow(int columns, int largest_count, const DenseOptions& options);
+  WinnerRow(const TileWindows& windows, const DenseOptions& options);
 
   void Choose(const RowCosts& row, std::span<std::int16_t> disparities);
 
@@ -46,8 +46,9 @@ class WinnerRow {
   std::vector<std::uint16_t> limits_;  // by the least sum, what others may not be below
   int left_right_px_ = 0;
   std::vector<Winner> winners_;
-  std::vector<std::uint16_t> sums_;            // of one pixel
-  std::vector<std::uint16_t> right_least_;     // by column of the right view
+  std::vector<std::uint16_t> sums_;  // of one pixel
+  // By column of the right view; before the first as many as disparities are searched.
+  std::vector<std::uint16_t> right_least_;
   std::vector<std::int16_t> right_disparity_;  // px
 };
 
