@@ -3,9 +3,10 @@
 #include <hwy/aligned_allocator.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <span>
+
+#include "dense/internal/view_rows.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "dense/matching_cost.cc"
@@ -15,22 +16,6 @@
 #ifndef RIGMAP_DENSE_MATCHING_COST
 #define RIGMAP_DENSE_MATCHING_COST
 namespace rigmap {
-
-// A row of a view by one measure: its values, and the least and most that each has within half a
-// pixel.
-struct MeasuredRow {
-  std::uint8_t *value = nullptr, *least = nullptr, *most = nullptr;
-};
-
-// By gradient and by grey value.
-using ViewRow = std::array<MeasuredRow, 2>;
-
-// What the costs of a row of tiles are made from. Right rows are reversed, so that disparities
-// count upwards: column x lies at width - 1 - x, and what is beyond the edge repeats it.
-struct ViewRows {
-  int width = 0;
-  std::vector<ViewRow> left, right;  // of the rows of tiles and block_px / 2 to either side
-};
 
 // A tile, and where its costs go.
 struct CostTile {
@@ -147,50 +132,9 @@ void CompareTile(const ViewRows& views, const CostTile& tile, int radius, const 
   }
 }
 
-// Gradients by Sobel's operator, clipped and made positive.
-void GradientRow(const std::uint8_t* HWY_RESTRICT above, const std::uint8_t* HWY_RESTRICT here,
-                 const std::uint8_t* HWY_RESTRICT below, int width,
-                 std::uint8_t* HWY_RESTRICT gradient) {
-  constexpr int kLimit = MatchingCost::kGradientLimit;
-  const auto at = [&](int column, int to_left, int to_right) HWY_ATTR {
-    const int slope = above[to_right] - above[to_left] + 2 * (here[to_right] - here[to_left]) +
-                      below[to_right] - below[to_left];
-    gradient[column] = static_cast<std::uint8_t>(std::clamp(slope, -kLimit, kLimit) + kLimit);
-  };
-  at(0, 0, std::min(1, width - 1));
-  for (int column = 1; column < width - 1; ++column) at(column, column - 1, column + 1);
-  at(width - 1, std::max(width - 2, 0), width - 1);
-}
-
-void FindExtremes(const std::uint8_t* HWY_RESTRICT value, int width,
-                  std::uint8_t* HWY_RESTRICT least, std::uint8_t* HWY_RESTRICT most) {
-  const auto at = [&](int column, int to_left, int to_right) HWY_ATTR {
-    const int here = value[column];
-    const int left = (here + value[to_left]) / 2, right = (here + value[to_right]) / 2;
-    least[column] = static_cast<std::uint8_t>(std::min(here, std::min(left, right)));
-    most[column] = static_cast<std::uint8_t>(std::max(here, std::max(left, right)));
-  };
-  at(0, 0, std::min(1, width - 1));
-  for (int column = 1; column < width - 1; ++column) at(column, column - 1, column + 1);
-  at(width - 1, std::max(width - 2, 0), width - 1);
-}
-
-void MeasureRow(const cv::Mat& view, int row, const ViewRow& measured) {
-  const auto* here = view.ptr<std::uint8_t>(row);
-  GradientRow(view.ptr<std::uint8_t>(std::max(row - 1, 0)), here,
-              view.ptr<std::uint8_t>(std::min(row + 1, view.rows - 1)), view.cols,
-              measured[0].value);
-  std::copy_n(here, view.cols, measured[1].value);
-  for (const MeasuredRow& by : measured) FindExtremes(by.value, view.cols, by.least, by.most);
-}
-
 HWY_NOINLINE void CompareTileRow(const ViewRows& views, std::span<const CostTile> tiles, int radius,
                                  const CostScale& scale, const TileWork& work) {
   for (const CostTile& tile : tiles) CompareTile(views, tile, radius, scale, work);
-}
-
-HWY_NOINLINE void MeasureRowOf(const cv::Mat& view, int row, const ViewRow& measured) {
-  MeasureRow(view, row, measured);
 }
 
 }  // namespace HWY_NAMESPACE
@@ -202,7 +146,6 @@ namespace rigmap {
 namespace {
 
 HWY_EXPORT(CompareTileRow);
-HWY_EXPORT(MeasureRowOf);
 
 constexpr std::size_t kAlignment = HWY_ALIGNMENT;
 
@@ -227,7 +170,6 @@ class Parts {
 struct CostWork {
   ViewRows views;
   TileWork tile;
-  MeasuredRow unreversed;
 };
 
 MeasuredRow TakeRow(Parts& parts, std::size_t width) {
@@ -245,30 +187,11 @@ CostWork TakeWork(Parts& parts, const TileWindows& windows, int radius) {
     work.views.left.push_back({TakeRow(parts, width), TakeRow(parts, width)});
     work.views.right.push_back({TakeRow(parts, reversed), TakeRow(parts, reversed)});
   }
-  work.unreversed = TakeRow(parts, width);
   work.tile.pixel =
       parts.Take<std::uint8_t>(entries + 2 * static_cast<std::size_t>(radius) * count);
   work.tile.across = parts.Take<std::uint16_t>(block * entries);
   work.tile.block = parts.Take<std::uint16_t>(entries);
   return work;
-}
-
-// Reversed, and repeated beyond its end.
-void Reverse(const std::uint8_t* row, int width, int reversed_width, std::uint8_t* reversed) {
-  std::reverse_copy(row, row + width, reversed);
-  std::fill(reversed + width, reversed + reversed_width, row[0]);
-}
-
-void MeasureReversed(const cv::Mat& view, int row, int reversed_width, const MeasuredRow& work,
-                     const ViewRow& reversed) {
-  // MeasureRow fills both measures: the part for reversed rows is long enough for plain ones.
-  HWY_DYNAMIC_DISPATCH(MeasureRowOf)(view, row, reversed);
-  for (const MeasuredRow& by : reversed) {
-    for (std::uint8_t* values : {by.value, by.least, by.most}) {
-      std::copy_n(values, view.cols, work.value);
-      Reverse(work.value, view.cols, reversed_width, values);
-    }
-  }
 }
 
 }  // namespace
@@ -305,8 +228,8 @@ void MatchingCost::OfTileRow(int tile_row, const RowLayout& layout, std::uint8_t
   const int rows = std::min(TileWindows::kTilePx, windows_.size.height - first_row);
   for (int i = 0; i < rows + 2 * radius_; ++i) {
     const int row = std::clamp(first_row + i - radius_, 0, windows_.size.height - 1);
-    HWY_DYNAMIC_DISPATCH(MeasureRowOf)(left_, row, work.views.left[i]);
-    MeasureReversed(right_, row, reversed_width, work.unreversed, work.views.right[i]);
+    MeasureRow(left_, row, work.views.left[i]);
+    MeasureReversed(right_, row, reversed_width, work.views.right[i]);
   }
   std::vector<CostTile> tiles;
   for (int i = 0; i < windows_.columns; ++i) {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "dense/internal/matching_cost.h"
+#include "dense/internal/view_rows.h"
 #include "dense/internal/winner.h"
 
 namespace rigmap {
@@ -17,7 +18,6 @@ int At(const cv::Mat& view, int column, int row) {
 }
 
 cv::Mat GradientOf(const cv::Mat& view) {
-  constexpr int kLimit = MatchingCost::kGradientLimit;
   cv::Mat gradient(view.size(), CV_8U);
   for (int row = 0; row < view.rows; ++row) {
     for (int column = 0; column < view.cols; ++column) {
@@ -26,7 +26,7 @@ cv::Mat GradientOf(const cv::Mat& view) {
         slope += weight * (At(view, column + 1, row + dy) - At(view, column - 1, row + dy));
       }
       gradient.at<uchar>(row, column) =
-          static_cast<uchar>(std::clamp(slope, -kLimit, kLimit) + kLimit);
+          static_cast<uchar>(std::clamp(slope, -kGradientLimit, kGradientLimit) + kGradientLimit);
     }
   }
   return gradient;

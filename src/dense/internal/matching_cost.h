@@ -25,13 +25,13 @@ struct CostScale {
 };
 
 // The cost of a pair of pixels is that of Birchfield and Tomasi 1998 (a difference that half a
-// pixel to either side may lessen) of horizontal gradients, clipped at 63, and a quarter of that of
-// grey values; summed over block_px x block_px pixels, edges repeated. As in OpenCV's StereoSGBM.
+// pixel to either side may lessen) of horizontal gradients, clipped (view_rows.h), and a quarter of
+// that of grey values; summed over block_px x block_px pixels, edges repeated. As in OpenCV's
+// StereoSGBM.
 //
 // Holds views CV_8UC1 of equal size; thread-safe.
 class MatchingCost {
  public:
-  static constexpr int kGradientLimit = 63;
   static constexpr int kGreyShift = 2;
 
   // `windows` must outlive it.
