@@ -1,6 +1,7 @@
 #include "dense/internal/disparity_windows.h"
 
 #include <algorithm>
+#include <cstdint>
 #include <limits>
 
 namespace rigmap {

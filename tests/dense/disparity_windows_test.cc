@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "dense/internal/winner.h"
 #include "tests/support/seeded_random.h"
 

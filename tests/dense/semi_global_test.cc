@@ -3,12 +3,15 @@
 #include <gtest/gtest.h>
 #include <hwy/targets.h>
 
-#include <cmath>
+#include <algorithm>
+#include <cstdint>
 #include <cstdlib>
 #include <filesystem>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
+#include <utility>
 
+#include "dense/internal/matching_cost.h"
 #include "dense/internal/winner.h"
 #include "tests/dense/semi_global_reference.h"
 #include "tests/support/seeded_random.h"

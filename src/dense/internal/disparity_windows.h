@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstddef>
-#include <cstdint>
 #include <opencv2/core.hpp>
 #include <vector>
 

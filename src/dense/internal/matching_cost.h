@@ -4,7 +4,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <opencv2/core.hpp>
-#include <vector>
 
 #include "dense/dense_options.h"
 #include "dense/internal/disparity_windows.h"
