@@ -33,6 +33,7 @@ class PathLine {
   std::size_t stride_ = 0;
   hwy::AlignedFreeUniquePtr<std::uint8_t[]> costs_;
   std::vector<std::uint8_t> least_;
+  std::vector<int> cleared_;  // counts behind which all is large
 };
 
 }  // namespace rigmap
