@@ -72,7 +72,8 @@ cv::Mat MatchCoarseToFine(const cv::Mat& left, const cv::Mat& right, double rang
   const Search search{
       .whole_volume = std::max(kSmallVolume, kWholeSearch * static_cast<double>(left.total())),
       .volume_bytes = VolumeBytes(left.total())};
-  return search.Match(left, right, range_px, options);
+  const double most_px = WinnerRow::kMostDisparity;
+  return search.Match(left, right, std::min(range_px, most_px), options);
 }
 
 std::size_t CoarseToFineBytes(cv::Size size, double range_px, const DenseOptions& options) {

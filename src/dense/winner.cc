@@ -166,7 +166,7 @@ void WinnerRow::Choose(const RowCosts& row, std::span<std::int16_t> disparities)
     disparities[column] = kNoDisparity;
     // At the edge of its window it need not be a minimum.
     const bool inside = winner.index > 0 && winner.index + 1 < row.layout->count[column];
-    if (!winner.unique || !inside || disparity > column) continue;
+    if (!winner.unique || !inside || disparity > std::min(column, kMostDisparity)) continue;
     disparities[column] = static_cast<std::int16_t>(kSteps * disparity + ParabolaSteps(winner));
   }
   CompareViews(disparities);

@@ -175,7 +175,8 @@ class Reference {
       const int d = WindowAt(column, row).first + best;
       auto& disparity = disparities.at<short>(row, column);
       disparity = WinnerRow::kNoDisparity;
-      const bool inside = best > 0 && best + 1 < static_cast<int>(s.size()) && d <= column;
+      const bool inside = best > 0 && best + 1 < static_cast<int>(s.size()) && d <= column &&
+                          d <= WinnerRow::kMostDisparity;
       if (!inside || !IsUnique(s, best)) continue;
       const int bend = std::max(s[best - 1] + s[best + 1] - 2 * s[best], 1);
       disparity = static_cast<short>(d * kSteps +

@@ -124,6 +124,19 @@ TEST_F(SemiGlobalReference, IsEqualledOnARealPair) {
   EXPECT_GT(ExpectEqual(left, right, RandomWindows(random_, part.size())), 100);
 }
 
+TEST(MatchSemiGlobal, FindsNoMoreThanItsTypeHolds) {
+  SeededRandom random;
+  const cv::Size size(2400, 20);
+  const cv::Mat left = RandomView(random, size);
+  for (const int shift : {2030, 2070}) {
+    const cv::Mat right = Moved(random, left, shift);
+    const TileWindows windows(size, {.first = shift - 16, .count = 32});
+    const cv::Mat found = MatchSemiGlobal(left, right, windows, {}, kPlenty);
+    EXPECT_EQ(CountKnown(found) > 1000, shift < WinnerRow::kMostDisparity) << shift;
+    EXPECT_EQ(cv::countNonZero(found < WinnerRow::kNoDisparity), 0);
+  }
+}
+
 class SemiGlobal : public testing::Test {
  protected:
   SemiGlobal() {

@@ -9,8 +9,9 @@
 
 namespace rigmap {
 
-// Disparities of the left view from 0 to `range_px`, CV_16S in steps of 1/16 px, negative where
-// unknown (semi_global.h); freed from single errors by a median over 3 x 3 px and from speckles.
+// Disparities of the left view from 0 to `range_px`, at most 2046 px, CV_16S in steps of 1/16 px,
+// negative where unknown (semi_global.h); freed from single errors by a median over 3 x 3 px and
+// from speckles.
 //
 // The whole range is searched where that takes no more than kWholeSearch disparities for each pixel
 // of `left`, at half, a quarter, ... of the resolution. From there each level gives the windows of

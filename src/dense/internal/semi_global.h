@@ -10,8 +10,8 @@
 namespace rigmap {
 
 // Disparities of the left view, CV_16S in steps of 1/16 px; WinnerRow::kNoDisparity where the
-// winner is not unique, at the edge of its window, contradicted by the right view, or beyond that
-// view's edge. Views CV_8UC1 of equal size, that of the windows.
+// winner is not unique, at the edge of its window, contradicted by the right view, beyond that
+// view's edge or above WinnerRow::kMostDisparity. Views CV_8UC1 of equal size, that of the windows.
 //
 // The cost volume takes two bytes for each pixel and disparity that is searched. Where that is more
 // than `volume_bytes`, the image is matched in strips of as many rows as fit: paths from above are

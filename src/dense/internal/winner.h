@@ -25,6 +25,7 @@ class WinnerRow {
  public:
   static constexpr int kSteps = 16;
   static constexpr std::int16_t kNoDisparity = -kSteps;
+  static constexpr int kMostDisparity = 2046;  // px; beyond there are more steps than 16 bit hold
   static constexpr std::size_t kBytesPerColumn = 32;  // that it takes
 
   WinnerRow(const TileWindows& windows, const DenseOptions& options);
