@@ -1,6 +1,9 @@
 #include "dense/dense_options.h"
 
 #include <cmath>
+#include <string>
+
+#include "dense/internal/matching_cost.h"
 
 namespace rigmap {
 
@@ -11,10 +14,10 @@ OptionFields DenseOptions::Fields() {
        "",
        {},
        "sgm: semi-global matching over eight paths (Hirschmüller 2008); with five, disparities on "
-       "sand are off by up to 0.2 px. bm: block matching, ten times as fast, with holes."},
+       "sand are off by up to 0.2 px. bm: OpenCV's block matching, about as fast, with holes."},
       {"block_px", &block_px, "px", AtLeast(1).Odd(),
        "Side of the window that a matching cost is summed over. With 7 twice as many false matches "
-       "are left on sand, with 3 more noise. For bm at least 5."},
+       "are left on sand, with 3 more noise. For bm at least 5, for sgm at most 17."},
       {"small_step_cost", &small_step_cost, "per pixel of the window", MoreThan(0.0),
        "Cost of a disparity step of one pixel. From OpenCV's sample for stereo matching."},
       {"large_step_cost", &large_step_cost, "per pixel of the window", MoreThan(0.0),
@@ -62,6 +65,9 @@ OptionFields DenseOptions::Fields() {
 void DenseOptions::RequireRelations() const {
   RequireOption(method != DenseMethod::kBm || block_px >= 5, "dense.block_px",
                 "at least 5 for method bm", block_px);
+  RequireOption(
+      method != DenseMethod::kSgm || block_px <= CostScale::kLargestBlock, "dense.block_px",
+      "at most " + std::to_string(CostScale::kLargestBlock) + " for method sgm", block_px);
   RequireOption(large_step_cost > small_step_cost, "dense.large_step_cost",
                 "more than dense.small_step_cost", large_step_cost);
   RequireOption(max_range_m == 0.0 || max_range_m > min_depth_m, "dense.max_range_m",

@@ -186,6 +186,10 @@ TEST(DenseOptions, RefusesWhatMakesNoSense) {
   EXPECT_NO_THROW(RequireValid(options));
   options.method = DenseMethod::kBm;
   EXPECT_THROW(RequireValid(options), UsageError);
+  options.block_px = 19;
+  EXPECT_NO_THROW(RequireValid(options));
+  options.method = DenseMethod::kSgm;
+  EXPECT_THROW(RequireValid(options), UsageError);
   options = {};
   options.large_step_cost = options.small_step_cost;
   EXPECT_THROW(RequireValid(options), UsageError);
