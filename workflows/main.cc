@@ -47,7 +47,7 @@ struct PartArguments {
   std::optional<double> accuracy_pct;
   int memory_mb = 2048;
   std::vector<std::string> assignments;
-  bool force = false, quiet = false;
+  bool force = false, quiet = false, depth_maps = false;
 };
 
 void AddPart(CLI::App& app, PartArguments& a) {
@@ -70,6 +70,8 @@ void AddPart(CLI::App& app, PartArguments& a) {
   part->add_flag("--force", a.force, "Remove an earlier result from the output folder first");
   part->add_option("--threads", a.threads, "Threads; default: one per core");
   part->add_option("--memory", a.memory_mb, "Megabytes that dense matching may use");
+  part->add_flag("--depth-maps", a.depth_maps,
+                 "Write each keyframe's depth and its sigma as images (dense.depth_maps)");
   part->add_option("--truth", a.truth, "TUM file, or folder with trajectory.tum");
   part->add_flag("--quiet", a.quiet, "No progress, errors only");
   part->footer(PartOptionsHelp);
@@ -116,6 +118,7 @@ PartRequest MakeRequest(const PartArguments& a, std::string command) {
     request.options.gates.poses.accuracy_pct = *a.accuracy_pct;
     RequireValid(request.options.gates);
   }
+  request.options.depth_maps.depth_maps |= a.depth_maps;
   request.until = IfGiven<std::string>(a.until);
   request.from = IfGiven<std::string>(a.from);
   request.force = a.force;

@@ -73,7 +73,7 @@ std::vector<OptionSection> PartOptions::Sections() {
       {"scale", "Metres, from the distances between left and right cameras.", scale.Fields()},
       {"adjustment", "Bundle adjustment with one pose per frame and the rig held.",
        adjustment.Fields()},
-      {"dense", "Depth of each keyframe.", dense.Fields()},
+      {"dense", "Depth of each keyframe.", JoinFields({dense.Fields(), depth_maps.Fields()})},
       {"fusion", "Depth maps to one surface.", JoinFields({voxel.Fields(), fusion.Fields()})},
       {"raster", "Height map, ortho-image and pictures of the surface. Cells are fusion's voxels.",
        JoinFields({raster.Fields(), pictures.Fields()})},

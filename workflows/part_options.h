@@ -16,12 +16,14 @@
 #include "fusion/fusion_options.h"
 #include "gates/gates.h"
 #include "georeference/rtk_alignment.h"
+#include "imaging/depth_map_options.h"
 #include "imaging/mask.h"
 #include "mapping/mapping_options.h"
 #include "matching/matching_options.h"
 #include "odometry/odometry_options.h"
 #include "raster/raster_options.h"
 #include "scale/scale_options.h"
+#include "scene/voxel_options.h"
 
 namespace rigmap {
 
@@ -36,6 +38,7 @@ struct PartOptions {
   ScaleOptions scale;
   AdjustmentOptions adjustment;
   DenseOptions dense;
+  DepthMapOptions depth_maps;  // in the section of dense
   VoxelOptions voxel;  // in the section of fusion
   FusionOptions fusion;
   RasterOptions raster;

@@ -1,6 +1,7 @@
 #include "workflows/surface_recipe.h"
 
 #include "workflows/stages/dense.h"
+#include "workflows/stages/depth_maps.h"
 #include "workflows/stages/evaluation.h"
 #include "workflows/stages/fusion.h"
 #include "workflows/stages/gates.h"
@@ -12,11 +13,12 @@ namespace rigmap {
 void AddSurface(StageGraph& g, const PartOptions& o, const SurfaceInputs& in) {
   const auto depths = g.AddStage(DenseMatching(), Reading(o.dense, o.masks, o.voxel), in.dataset,
                                  in.content, in.features, in.posed);
+  g.AddStage(DepthMaps(), Reading(o.depth_maps), depths);
   const auto depth_gates = g.AddCheck(DepthGates(), Reading(o.gates.dense), depths);
   const auto warning = g.AddView(WarningByGates, in.gates, depth_gates);
-  const auto map = g.AddStage(Fusion(), Reading(o.fusion, o.voxel), in.dataset, in.posed, depths);
-  g.AddStage(Rasters(), Reading(o.raster, o.voxel), map, warning);
-  g.AddStage(Pictures(), Reading(o.pictures, o.voxel), in.posed, map, warning);
+  const auto map = g.AddStage(Fusion(), Reading(o.fusion), in.dataset, in.posed, depths);
+  g.AddStage(Rasters(), Reading(o.raster), map, warning);
+  g.AddStage(Pictures(), Reading(o.pictures), in.posed, map, warning);
   g.AddStage(Evaluation(), Reading(o.evaluation, o.georeference, o.rocks, o.rock_survey),
              in.dataset, in.truth, in.posed, map);
 }

@@ -4,13 +4,15 @@
 
 #include "dense/internal/disparity.h"
 #include "dense/internal/refinement.h"
+#include "dense/internal/silhouettes.h"
 #include "imaging/image.h"
 
 namespace rigmap {
 
-DenseMatcher::DenseMatcher(const StereoRig& rig, const DenseOptions& options,
+DenseMatcher::DenseMatcher(const StereoRig& rig, double nearest_m, const DenseOptions& options,
                            const MaskOptions& mask_options, const cv::Mat& left_mask)
     : rig_(rig),
+      nearest_m_(nearest_m),
       options_(options),
       mask_options_(mask_options),
       rectifier_(rig),
@@ -37,18 +39,35 @@ DepthMap DenseMatcher::Compute(const StereoFrame& frame) const {
   map.left_from_rectified.rotation = rectifier_.LeftFromRectified();
   map.baseline_m = rectifier_.BaselineM();
   map.colour = rectifier_.RectifyLeft(colour);
-  const double nearest_px = map.camera.fx * map.baseline_m / options_.min_depth_m;
-  const double farthest_px =
-      map.camera.fx * map.baseline_m / options_.MaxDepth(map.camera.fx, map.baseline_m);
+  const double depth_px = map.camera.fx * map.baseline_m;  // depth times disparity
+  const double nearest_px = NearestPx();
+  const double farthest_px = options_.max_range_m > 0.0 ? depth_px / options_.max_range_m : 0.0;
   const cv::Mat matched = MatchDisparity(pair, nearest_px, options_);
   RefinedDisparity refined = RefineDisparity(pair.left, pair.right, matched, options_);
   map.disparity = std::move(refined.disparity);
   map.disparity_sigma = std::move(refined.sigma);
-  // A depth's sigma is z^2 / (f b) sigma_d, with z = f b / d.
-  const double most = options_.max_depth_sigma_m / (map.camera.fx * map.baseline_m);
-  const cv::Mat unsure = map.disparity_sigma > most * map.disparity.mul(map.disparity);
+  const cv::Mat edges = WidenedEdges(pair.left, pair.right, map.disparity, options_);
+  map.disparity_sigma.setTo(kUnsurePx, edges);
+  // A depth's relative sigma is that of its disparity.
+  const cv::Mat unsure = map.disparity_sigma > 0.01 * options_.max_depth_sigma_pct * map.disparity;
   map.disparity.setTo(0.0, unsure | (map.disparity < farthest_px) | (map.disparity > nearest_px));
   return map;
+}
+
+double DenseMatcher::MegabytesPerFrame() const {
+  // Both images as read and rectified, in colour and grey, with their masks; then views, masks,
+  // what is refined or compared at the edges, and the result.
+  constexpr double kInputBytes = 10.0, kOwnBytes = 70.0;
+  const Camera camera = rectifier_.RectifiedCamera();
+  const double pixels = static_cast<double>(camera.width) * camera.height;
+  const double input_pixels = static_cast<double>(rig_.left.camera.width) * rig_.left.camera.height;
+  const double matching =
+      static_cast<double>(MatchingBytes({camera.width, camera.height}, NearestPx(), options_));
+  return 1e-6 * (kInputBytes * input_pixels + kOwnBytes * pixels + matching);
+}
+
+double DenseMatcher::NearestPx() const {
+  return rectifier_.RectifiedCamera().fx * rectifier_.BaselineM() / nearest_m_;
 }
 
 }  // namespace rigmap

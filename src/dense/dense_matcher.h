@@ -10,22 +10,28 @@
 namespace rigmap {
 
 // Holds what is the same for all frames of a rig: rectification maps and static masks.
-// Immutable; Compute may be called from several threads, each of which then needs the memory that
-// MatchDisparity states.
+// Immutable; Compute may be called from several threads.
 class DenseMatcher {
  public:
-  // `left_mask`: pixels of the left image that may be used in any frame (CV_8UC1, 255 or 0; empty:
-  // all), besides what the rig itself says. Throws UsageError for invalid options, DataError for a
-  // rig whose masks cannot be read.
-  DenseMatcher(const StereoRig& rig, const DenseOptions& options, const MaskOptions& mask_options,
-               const cv::Mat& left_mask = {});
+  // `nearest_m`: what is nearer is not searched for. `left_mask`: pixels of the left image that may
+  // be used in any frame (CV_8UC1, 255 or 0; empty: all), besides what the rig itself says. Throws
+  // UsageError for invalid options, DataError for a rig whose masks cannot be read.
+  DenseMatcher(const StereoRig& rig, double nearest_m, const DenseOptions& options,
+               const MaskOptions& mask_options, const cv::Mat& left_mask = {});
 
-  // Reads both images, rectifies, matches, refines and keeps what is usable, between min_depth_m
-  // and the largest depth of the options. Throws DataError for images that cannot be read.
+  // Reads both images, rectifies, matches, refines and keeps what is usable and known well enough,
+  // no further away than max_range_m. Throws DataError for images that cannot be read.
   DepthMap Compute(const StereoFrame& frame) const;
 
+  double nearest_m() const { return nearest_m_; }
+  // At most what one call of Compute takes, its result included, megabytes.
+  double MegabytesPerFrame() const;
+
  private:
+  double NearestPx() const;  // disparity of what is nearest
+
   StereoRig rig_;
+  double nearest_m_;
   DenseOptions options_;
   MaskOptions mask_options_;
   Rectifier rectifier_;

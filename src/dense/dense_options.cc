@@ -1,6 +1,5 @@
 #include "dense/dense_options.h"
 
-#include <cmath>
 #include <string>
 
 #include "dense/internal/matching_cost.h"
@@ -47,17 +46,14 @@ OptionFields DenseOptions::Fields() {
        "Least sigma of a refined disparity. Measured against true depths."},
   };
   const OptionFields range = {
-      {"min_depth_m", &min_depth_m, "m", MoreThan(0.0),
-       "Nearest depth that is searched. The range is then narrowed to what a pair shows."},
-      {"disparity_sigma_px", &disparity_sigma_px, "px", MoreThan(0.0),
-       "Sigma of a disparity as matched, 0.12 to 0.25 on textured ground. It decides the range; "
-       "each pixel has a sigma of its own besides."},
+      {"min_depth_m", &min_depth_m, "m", AtLeast(0.0),
+       "Nearest depth that is searched. 0: half of what the nearest sparse points of the part "
+       "have, but no nearer than where a disparity is half the width of the image."},
       {"max_range_m", &max_range_m, "m", AtLeast(0.0),
-       "Largest depth, beyond min_depth_m. 0: where the sigma of the depth reaches "
-       "max_depth_sigma_m."},
-      {"max_depth_sigma_m", &max_depth_sigma_m, "m", MoreThan(0.0),
-       "Pixels whose own sigma is larger are left out. 0.09 is reached at six metres with a "
-       "baseline of 0.12 m and 840 px; twice that is the height of a small rock."},
+       "Largest depth, beyond min_depth_m. 0: no limit but that of max_depth_sigma_pct."},
+      {"max_depth_sigma_pct", &max_depth_sigma_pct, "per cent of the depth", MoreThan(0.0),
+       "Pixels whose own sigma is larger are left out of the depth maps: beyond, the errors of a "
+       "depth are no longer symmetric."},
   };
   return JoinFields({matching, filters, range});
 }
@@ -72,11 +68,6 @@ void DenseOptions::RequireRelations() const {
                 "more than dense.small_step_cost", large_step_cost);
   RequireOption(max_range_m == 0.0 || max_range_m > min_depth_m, "dense.max_range_m",
                 "0 or more than dense.min_depth_m", max_range_m);
-}
-
-double DenseOptions::MaxDepth(double focal_px, double baseline_m) const {
-  if (max_range_m > 0.0) return max_range_m;
-  return std::sqrt(max_depth_sigma_m * focal_px * baseline_m / disparity_sigma_px);
 }
 
 }  // namespace rigmap

@@ -24,16 +24,12 @@ struct DenseOptions {
   int smoothing_px = 7;
   double refined_sigma_factor = 2.0;
   double least_sigma_px = 0.05;
-  double min_depth_m = 0.4;
-  double disparity_sigma_px = 0.25;
+  double min_depth_m = 0.0;
   double max_range_m = 0.0;
-  double max_depth_sigma_m = 0.09;
+  double max_depth_sigma_pct = 20.0;
 
   OptionFields Fields();
   void RequireRelations() const;  // throws UsageError
-
-  // Largest depth for views of this focal length and baseline: z^2 / (f b) * sigma = its limit.
-  double MaxDepth(double focal_px, double baseline_m) const;
 };
 
 }  // namespace rigmap

@@ -11,6 +11,11 @@ constexpr float kUnknown = -1e4F;     // no disparity is near it
 constexpr float kSameSurface = 1.0F;  // px
 constexpr float kMostStep = 0.5F;     // px; a matcher is not further off
 constexpr float kLeastGradient2 = 1e-3F;
+constexpr float kRounding2 = 1.0F / 6.0F;  // of the difference of two grey values, each rounded
+// Central differences of a view that holds nothing but noise have half of its variance, and
+// residuals of two such views twice as much.
+constexpr float kNoiseGradient2 = 0.25F;  // of the residuals' variance
+constexpr double kTextureSigmas = 1.0;    // by which texture has to stand out from noise
 
 // Means over a window of what is known in it.
 class WindowMean {
@@ -113,10 +118,16 @@ RefinedDisparity RefineDisparity(const cv::Mat& left, const cv::Mat& right,
   RefinedDisparity refined;
   refined.disparity = coarse + cv::max(cv::min(step, kMostStep), -kMostStep);
   refined.disparity.setTo(0.0F, ~is_known | (refined.disparity <= 0.0F));
+  const cv::Mat unexplained = cv::max(residual2 + step.mul(product), kRounding2);
+  // A mean over n squares of noise has the relative sigma sqrt(2 / n).
+  const cv::Mat noise_gradient2 = kNoiseGradient2 * unexplained, counts = mean.Counts();
+  cv::Mat spread;
+  cv::sqrt(2.0 / counts, spread);
+  const cv::Mat textured = gradient2 > noise_gradient2.mul(1.0 + kTextureSigmas * spread);
+  refined.disparity.setTo(0.0F, ~textured);
   refined.disparity = SmoothDisparity(refined.disparity, radius_px);
-  cv::Mat unexplained = cv::max(residual2 + step.mul(product), 0.0F);
   const double factor = options.refined_sigma_factor;
-  cv::sqrt(factor * factor * unexplained / gradient2 / mean.Counts() +
+  cv::sqrt(factor * factor * unexplained / gradient2 / counts +
                options.least_sigma_px * options.least_sigma_px,
            refined.sigma);
   return refined;

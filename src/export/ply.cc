@@ -21,7 +21,7 @@ constexpr const char* kSurfaceProperties =
     "property float x\nproperty float y\nproperty float z\n"
     "property float nx\nproperty float ny\nproperty float nz\n"
     "property uchar red\nproperty uchar green\nproperty uchar blue\n"
-    "property ushort observations\nproperty float sigma\n";
+    "property ushort observations\nproperty float sigma\nproperty float grain\n";
 
 constexpr const char* kSparseProperties =
     "property float x\nproperty float y\nproperty float z\n"
@@ -54,6 +54,7 @@ void AppendPoint(std::string& bytes, const SurfacePoint& point) {
   AppendRgb(bytes, point.rgb);
   Append(bytes, point.observations);
   Append(bytes, point.sigma_m);
+  Append(bytes, point.grain_m);
 }
 
 void RequireWritten(const std::ostream& stream) {

@@ -13,9 +13,9 @@
 
 namespace rigmap {
 
-// Writes a cloud piece by piece, 33 bytes per point: float x y z nx ny nz, uchar red green blue,
-// ushort observations, float sigma. Coordinates and sigma in metres. The stream must be seekable;
-// the file is complete only after Finish.
+// Writes a cloud piece by piece, 37 bytes per point: float x y z nx ny nz, uchar red green blue,
+// ushort observations, float sigma grain. Coordinates, sigma and grain in metres. The stream must
+// be seekable; the file is complete only after Finish.
 class PlyWriter {
  public:
   // Writes a header that says no points; `stream` must outlive the writer.
@@ -38,10 +38,10 @@ class PlyWriter {
 // (mean reprojection error, px), uint track_length (images that see it).
 void WriteSparsePly(std::ostream& stream, const std::vector<SparsePoint>& points);
 
-// The vertices of a binary little-endian PLY file with x y z; normals, colour, observations and
-// sigma are taken where the file has them, by the names above, and other properties passed over.
-// `vertex` must be the first element. Throws DataError naming the file for anything else, and for
-// a file that ends too early.
+// The vertices of a binary little-endian PLY file with x y z; normals, colour, observations,
+// sigma and grain are taken where the file has them, by the names above, and other properties
+// passed over. `vertex` must be the first element. Throws DataError naming the file for anything
+// else, and for a file that ends too early.
 PointCloud ReadPly(const std::filesystem::path& path);
 
 }  // namespace rigmap

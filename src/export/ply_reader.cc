@@ -23,13 +23,15 @@ struct SurfaceProperties {
   std::array<const PlyProperty*, 3> x, normal, rgb;
   const PlyProperty* observations;
   const PlyProperty* sigma;
+  const PlyProperty* grain;
 
   explicit SurfaceProperties(const PlyRows& rows)
       : x{rows.Find("x"), rows.Find("y"), rows.Find("z")},
         normal{rows.Find("nx"), rows.Find("ny"), rows.Find("nz")},
         rgb{rows.Find("red"), rows.Find("green"), rows.Find("blue")},
         observations(rows.Find("observations")),
-        sigma(rows.Find("sigma")) {
+        sigma(rows.Find("sigma")),
+        grain(rows.Find("grain")) {
     if (!x[0] || !x[1] || !x[2]) {
       throw DataError(
           fmt::format("{}: expected vertices with x, y and z, found none", rows.name()));
@@ -47,6 +49,7 @@ struct SurfaceProperties {
       point.observations = Clamped<std::uint16_t>(PlyValue(*observations, row));
     }
     if (sigma) point.sigma_m = static_cast<float>(PlyValue(*sigma, row));
+    if (grain) point.grain_m = static_cast<float>(PlyValue(*grain, row));
     return point;
   }
 };

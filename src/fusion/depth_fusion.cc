@@ -5,7 +5,7 @@
 
 #include "core/progress.h"
 #include "fusion/internal/frame_agreement.h"
-#include "fusion/internal/tiled_grid.h"
+#include "fusion/internal/layered_grid.h"
 #include "fusion/internal/view_cache.h"
 #include "fusion/internal/view_consistency.h"
 
@@ -45,52 +45,15 @@ std::vector<SurfaceSample> SamplesOf(std::size_t frame, const FusionOptions& opt
   return samples;
 }
 
-// A coarse grid for level ground and a fine one for what is steep.
-class GridsBySlope {
- public:
-  GridsBySlope(double level_voxel_m, double steep_voxel_m, const std::filesystem::path& scratch)
-      : scratch_(scratch),
-        level_(level_voxel_m, scratch / "level", kKeptVoxels / 2),
-        steep_(steep_voxel_m, scratch / "steep", kKeptVoxels / 2) {}
-  ~GridsBySlope() {
-    std::error_code ignored;
-    std::filesystem::remove_all(scratch_, ignored);
-  }
-  GridsBySlope(const GridsBySlope&) = delete;
-  GridsBySlope& operator=(const GridsBySlope&) = delete;
-
-  void Add(const std::vector<SurfaceSample>& samples) {
-    constexpr float kSteep = 0.7071F;  // 45 degrees: beyond, more of it is seen from beside
-    for (const SurfaceSample& sample : samples) {
-      (sample.normal.z() < kSteep ? steep_ : level_).Add(sample);
-    }
-    level_.SetAside();
-    steep_.SetAside();
-  }
-  void Drain(const FusionOptions& options, const FusionTarget& target) {
-    level_.Drain(options.min_observations, options.max_sigma_m, target.take);
-    // Smaller cubes hold fewer pixels.
-    const int fewer =
-        static_cast<int>(std::ceil(options.steep_voxel_share * options.min_observations));
-    steep_.Drain(fewer, options.max_sigma_m, target.take);
-  }
-
- private:
-  std::filesystem::path scratch_;
-  TiledGrid level_, steep_;
-};
-
 }  // namespace
 
-std::vector<std::size_t> FuseDepthMaps(std::span<const PosedDepth> depths,
-                                       const VoxelOptions& voxel, const FusionOptions& options,
-                                       const FusionTarget& target) {
-  RequireValid(voxel);
+std::vector<std::size_t> FuseDepthMaps(std::span<const PosedDepth> depths, double voxel_m,
+                                       const FusionOptions& options, const FusionTarget& target) {
   RequireValid(options);
   const std::vector<Rigid3> world_from_left = PosesOf(depths);
   ViewCache cache(depths, kCachedViews);
   FrameAgreement agreement(world_from_left, options, cache);
-  GridsBySlope grid(voxel.voxel_m, options.steep_voxel_share * voxel.voxel_m, target.scratch);
+  LayeredGrid grid(voxel_m, options.steep_voxel_share, target.scratch, kKeptVoxels);
   std::vector<std::size_t> left_out;
   Progress progress("fusion", depths.size());
   for (std::size_t frame = 0; frame < depths.size(); ++frame) {
@@ -101,7 +64,7 @@ std::vector<std::size_t> FuseDepthMaps(std::span<const PosedDepth> depths,
     }
     progress.Advance();
   }
-  grid.Drain(options, target);
+  grid.Drain(options, target.take);
   return left_out;
 }
 

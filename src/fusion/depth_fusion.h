@@ -26,10 +26,9 @@ struct FusionTarget {
 };
 
 // Each depth map is compared with others, and what they confirm (view_consistency.h) is averaged on
-// a grid. One point per voxel, ordered by tile (tiled_grid.h) and voxel, first of level ground,
-// then of what is steeper than 45 degrees (world's z being up) and has finer voxels; normals point
-// to the cameras. The order of the frames changes places by rounding only, the number of threads
-// nothing at all.
+// a grid of `voxel_m`, finer on what is steeper than 45 degrees (world's z being up) and coarser
+// where less is known (layered_grid.h). One point per voxel; normals point to the cameras. The
+// order of the frames changes places by rounding only, the number of threads nothing at all.
 //
 // A frame is left out, and its index returned, if it agrees with its neighbours on less than half
 // of the pixels on which they agree with theirs: its pose or its depth is wrong. Colours are made
@@ -40,8 +39,7 @@ struct FusionTarget {
 // UsageError for invalid options.
 inline constexpr std::size_t kCachedViews = 40;
 inline constexpr std::size_t kKeptVoxels = 2'000'000;
-std::vector<std::size_t> FuseDepthMaps(std::span<const PosedDepth> depths,
-                                       const VoxelOptions& voxel, const FusionOptions& options,
-                                       const FusionTarget& target);
+std::vector<std::size_t> FuseDepthMaps(std::span<const PosedDepth> depths, double voxel_m,
+                                       const FusionOptions& options, const FusionTarget& target);
 
 }  // namespace rigmap

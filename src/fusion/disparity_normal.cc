@@ -1,6 +1,7 @@
 #include "fusion/internal/disparity_normal.h"
 
 #include <cmath>
+#include <vector>
 
 #include "geometry/plane_fit.h"
 
@@ -35,6 +36,35 @@ Eigen::Vector3d NormalInRectified(const DepthMap& map, int row, int column) {
       plane.z() + plane.x() * (camera.cx - column) + plane.y() * (camera.cy - row);
   return -Eigen::Vector3d(plane.x() * camera.fx, plane.y() * camera.fy, at_principal_point)
               .normalized();
+}
+
+bool LiesOnPlane(const DepthMap& map, int row, int column) {
+  constexpr int kReach = 12, kStride = 4;
+  constexpr double kMostOff = 0.3;     // px, root mean square
+  constexpr double kLeastKnown = 0.8;  // of the pixels asked
+  PlaneFit fit;
+  std::vector<Eigen::Vector3d> known;
+  int asked = 0;
+  for (int dy = -kReach; dy <= kReach; dy += kStride) {
+    for (int dx = -kReach; dx <= kReach; dx += kStride) {
+      const int y = row + dy, x = column + dx;
+      if (y < 0 || y >= map.disparity.rows || x < 0 || x >= map.disparity.cols) continue;
+      ++asked;
+      const float found = map.disparity.at<float>(y, x);
+      if (found <= 0.0F) continue;
+      fit.Add(dx, dy, found);
+      known.emplace_back(dx, dy, found);
+    }
+  }
+  const auto count = static_cast<double>(known.size());
+  if (count < kMinNormalPixels || count < kLeastKnown * asked) return false;
+  const Eigen::Vector3d plane = fit.Solve();
+  double sum = 0.0;
+  for (const Eigen::Vector3d& at : known) {
+    const double off = at.z() - plane.dot(Eigen::Vector3d(at.x(), at.y(), 1.0));
+    sum += off * off;
+  }
+  return sum <= kMostOff * kMostOff * count;  // false for a plane that is not finite
 }
 
 }  // namespace rigmap

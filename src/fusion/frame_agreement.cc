@@ -1,11 +1,31 @@
 #include "fusion/internal/frame_agreement.h"
 
+#include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "core/statistics.h"
 #include "fusion/internal/view_consistency.h"
 
 namespace rigmap {
+namespace {
+
+struct RunningMean {
+  double sum = 0.0;
+  int count = 0;
+
+  void Add(double value) {
+    sum += value;
+    ++count;
+  }
+  double Mean() const { return sum / count; }
+};
+
+double Steps(std::size_t from, std::size_t to) {
+  return static_cast<double>(to) - static_cast<double>(from);
+}
+
+}  // namespace
 
 const FrameComparison& FrameAgreement::ComparisonOf(std::size_t frame) {
   const auto known = comparisons_.find(frame);
@@ -51,18 +71,37 @@ std::optional<double> FrameAgreement::ShareOf(std::size_t frame) {
 double FrameAgreement::BrightnessFor(std::size_t frame) {
   constexpr double kKept = 0.97;  // of its logarithm, from frame to frame
   ShareOf(frame);                 // which finds the ratios
-  double sum = 0.0;
-  int count = 0;
+  const double shading = LogShadingAround(frame);
+  RunningMean corrected;
   for (const std::size_t i : ComparisonOf(frame).near) {
     const auto before = log_brightness_.find(i);
     const auto ratio = log_ratios_.find({frame, i});
     if (before == log_brightness_.end() || ratio == log_ratios_.end()) continue;
-    sum += before->second + ratio->second;
-    ++count;
+    corrected.Add(before->second + ratio->second - shading * Steps(i, frame));
   }
-  const double log_brightness = count > 0 ? kKept * sum / count : 0.0;
+  const double log_brightness = corrected.count > 0 ? kKept * corrected.Mean() : 0.0;
   log_brightness_[frame] = log_brightness;
   return std::exp(log_brightness);
+}
+
+double FrameAgreement::LogShadingAround(std::size_t frame) {
+  constexpr std::size_t kReach = 15, kFewest = 16;  // frames; a step of the exposure shows in nine
+  const std::size_t first = frame > kReach ? frame - kReach : 0;
+  const std::size_t end = std::min(world_from_left_.size(), frame + kReach + 1);
+  std::vector<double> shadings;
+  for (std::size_t i = first; i < end; ++i) {
+    ShareOf(i);
+    RunningMean before, after, steps;
+    for (const std::size_t k : ComparisonOf(i).near) {
+      const auto ratio = log_ratios_.find({i, k});
+      if (ratio == log_ratios_.end()) continue;
+      (k < i ? before : after).Add(ratio->second);
+      steps.Add(std::abs(Steps(k, i)));
+    }
+    if (before.count == 0 || after.count == 0) continue;
+    shadings.push_back(0.5 * (before.Mean() - after.Mean()) / steps.Mean());
+  }
+  return shadings.size() < kFewest ? 0.0 : Median(std::move(shadings));
 }
 
 }  // namespace rigmap

@@ -20,9 +20,11 @@ OptionFields FusionOptions::Fields() {
   };
   const OptionFields kept = {
       {"max_incidence_deg", &max_incidence_deg, "degrees", MoreThan(0.0).UpTo(90.0),
-       "A pixel whose ray leaves the surface's normal by more is left out. Where depth jumps, "
-       "matched disparities lead from one side to the other over some eight pixels, and that slope "
-       "is seen all but edge on. 83: level ground eight times as far away as the camera is high."},
+       "A pixel whose ray leaves the surface's normal by more is left out, unless the surface goes "
+       "on "
+       "around it. Where depth jumps, matched disparities lead from one side to the other over "
+       "some "
+       "eight pixels, and that slope is seen all but edge on, as is far ground."},
       {"min_views", &min_views, "", AtLeast(1),
        "Frames, the own one included, that must agree on a point; at most neighbours + 1. A single "
        "one may be a false match."},
@@ -32,10 +34,12 @@ OptionFields FusionOptions::Fields() {
       {"min_observations", &min_observations, "", AtLeast(1),
        "A voxel with fewer depth pixels, those of agreeing frames included, is a stray; on steep "
        "faces steep_voxel_share of it is enough."},
-      {"max_sigma_m", &max_sigma_m, "m", MoreThan(0.0),
-       "A point with a larger sigma is left out. Three voxels: of less certain ones every third "
-       "beside a rock hangs in the air. Reached at about six metres with a baseline of 0.12 m and "
-       "840 px."},
+      {"max_sigma_m", &max_sigma_m, "m", AtLeast(0.0),
+       "A point with a larger sigma is left out. 0: however large it is, each point has its own in "
+       "dense.ply."},
+      {"max_sigma_pct", &max_sigma_pct, "per cent of the distance", MoreThan(0.0),
+       "What is known less well than this share of its distance from the camera is left out: at 2, "
+       "disparities below 8 px that only one frame knows to 0.15 px."},
   };
   return JoinFields({compared, kept});
 }

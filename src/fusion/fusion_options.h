@@ -2,7 +2,6 @@
 #pragma once
 
 #include "core/options.h"
-#include "scene/voxel_options.h"
 
 namespace rigmap {
 
@@ -20,7 +19,8 @@ struct FusionOptions {
   int min_views = 2;
   double better_view_share = 0.85;
   int min_observations = 4;
-  double max_sigma_m = 0.03;
+  double max_sigma_m = 0.0;
+  double max_sigma_pct = 2.0;
 
   OptionFields Fields();
   void RequireRelations() const;  // throws UsageError

@@ -10,8 +10,9 @@
 
 namespace rigmap {
 
-TiledGrid::TiledGrid(double voxel_m, std::filesystem::path scratch, std::size_t most_voxels)
-    : voxel_m_(voxel_m), scratch_(std::move(scratch)), most_voxels_(most_voxels) {
+TiledGrid::TiledGrid(double voxel_m, double tile_m, std::filesystem::path scratch,
+                     std::size_t most_voxels)
+    : voxel_m_(voxel_m), tile_m_(tile_m), scratch_(std::move(scratch)), most_voxels_(most_voxels) {
   std::error_code error;
   std::filesystem::remove_all(scratch_, error);
   if (!error) std::filesystem::create_directories(scratch_, error);
@@ -46,7 +47,7 @@ VoxelGrid& TiledGrid::GridAt(const TileIndex& tile_index) {
 
 void TiledGrid::Add(const SurfaceSample& sample) {
   // Points that are too far off, or nowhere (NaN), are refused by the grid itself.
-  GridAt(TileAt(sample.x_in_world.head<2>(), kTileVoxels * voxel_m_)).Add(sample);
+  GridAt(TileAt(sample.x_in_world.head<2>(), tile_m_)).Add(sample);
 }
 
 void TiledGrid::SetAside() {
@@ -68,18 +69,24 @@ void TiledGrid::SetAside() {
   }
 }
 
-void TiledGrid::Drain(int min_observations, double max_sigma_m,
-                      const std::function<void(std::span<const SurfacePoint>)>& take) {
+std::vector<TileIndex> TiledGrid::Tiles() const {
+  std::vector<TileIndex> indices;
+  for (const auto& [tile_index, tile] : tiles_) indices.push_back(tile_index);
+  return indices;
+}
+
+PointCloud TiledGrid::Take(const TileIndex& tile_index, int min_observations, double max_sigma_m) {
+  const auto entry = tiles_.find(tile_index);
+  if (entry == tiles_.end()) return {};
   last_grid_ = nullptr;
-  for (auto& [tile_index, tile] : tiles_) {
-    if (!tile.grid) {
-      tile.grid.emplace(voxel_m_);
-      tile.grid->Load(FileOf(tile_index));
-    }
-    take(tile.grid->Points(min_observations, max_sigma_m));
-    tile.grid.reset();
+  Tile& tile = entry->second;
+  if (!tile.grid) {
+    tile.grid.emplace(voxel_m_);
+    tile.grid->Load(FileOf(tile_index));
   }
-  tiles_.clear();
+  PointCloud points = tile.grid->Points(min_observations, max_sigma_m);
+  tiles_.erase(entry);
+  return points;
 }
 
 }  // namespace rigmap

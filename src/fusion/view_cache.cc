@@ -1,24 +1,15 @@
 #include "fusion/internal/view_cache.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
-#include <optional>
 #include <utility>
-
-#include "core/error.h"
 
 namespace rigmap {
 namespace {
 
 DepthView Load(const PosedDepth& depth) {
-  std::optional<DepthMap> map = LoadDepth(depth.path, depth.key);
-  if (!map) {
-    throw DataError(fmt::format("{}: expected the depth map with key {}, found none",
-                                depth.path.string(), depth.key));
-  }
-  const Rigid3 world_from_rectified = depth.world_from_left * map->left_from_rectified;
-  return {std::move(*map), world_from_rectified};
+  DepthMap map = ReadDepth(depth.path, depth.key);
+  const Rigid3 world_from_rectified = depth.world_from_left * map.left_from_rectified;
+  return {std::move(map), world_from_rectified};
 }
 
 }  // namespace

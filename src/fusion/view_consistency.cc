@@ -99,6 +99,7 @@ struct Consensus {
 
 struct Views {
   std::vector<Neighbour> near, ahead;
+  double least_cosine = 0.0;  // of the incidence
 };
 
 // Nothing where the neighbours do not confirm the measurement, or have a better one.
@@ -136,20 +137,20 @@ std::optional<SurfaceSample> SampleAt(const DepthView& reference, const Views& v
   const auto consensus = Confirm(*measured, views, options);
   if (!consensus) return std::nullopt;
   const Eigen::Vector3d normal = NormalInRectified(map, pixel.y, pixel.x);
+  const Eigen::Vector3d x = consensus->weighted_sum / consensus->weight;
   SurfaceSample sample;
-  sample.x_in_world =
-      reference.world_from_rectified * (consensus->weighted_sum / consensus->weight);
+  sample.sigma_m = static_cast<float>(1.0 / std::sqrt(consensus->weight));
+  if (sample.sigma_m > 0.01 * options.max_sigma_pct * x.norm()) return std::nullopt;
+  const double cosine = -normal.dot(x.normalized());
+  if (cosine < views.least_cosine && !LiesOnPlane(map, pixel.y, pixel.x)) return std::nullopt;
+  // A pixel covers more of a surface seen edge on, in one direction.
+  sample.pixel_m = static_cast<float>(x.z() / map.camera.fx / std::sqrt(std::max(cosine, 0.01)));
+  sample.x_in_world = reference.world_from_rectified * x;
   sample.normal = (reference.world_from_rectified.rotation * normal).cast<float>();
   const cv::Vec3b bgr = map.colour.at<cv::Vec3b>(pixel);
   sample.rgb = {bgr[2], bgr[1], bgr[0]};
-  sample.sigma_m = static_cast<float>(1.0 / std::sqrt(consensus->weight));
   sample.observations = consensus->agreeing;
   return sample;
-}
-
-// Zero where the normal is unknown.
-double IncidenceCosine(const SurfaceSample& sample, const Eigen::Vector3d& camera_in_world) {
-  return sample.normal.cast<double>().dot((camera_in_world - sample.x_in_world).normalized());
 }
 
 }  // namespace
@@ -158,17 +159,15 @@ std::vector<SurfaceSample> ConfirmedSamples(const DepthView& reference,
                                             const ComparedViews& compared,
                                             const FusionOptions& options) {
   const double least_cosine = std::cos(options.max_incidence_deg * std::numbers::pi / 180.0);
-  const Eigen::Vector3d& camera = reference.world_from_rectified.translation;
-  const Views views{Prepare(reference, compared.near), Prepare(reference, compared.ahead)};
+  const Views views{Prepare(reference, compared.near), Prepare(reference, compared.ahead),
+                    least_cosine};
   std::vector<std::vector<SurfaceSample>> rows(
       static_cast<std::size_t>(reference.map.disparity.rows));
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, rows.size()), [&](const auto& range) {
     for (std::size_t row = range.begin(); row < range.end(); ++row) {
       for (int column = 0; column < reference.map.disparity.cols; ++column) {
         const auto sample = SampleAt(reference, views, {column, static_cast<int>(row)}, options);
-        if (sample && IncidenceCosine(*sample, camera) >= least_cosine) {
-          rows[row].push_back(*sample);
-        }
+        if (sample) rows[row].push_back(*sample);
       }
     }
   });
@@ -180,13 +179,15 @@ std::vector<SurfaceSample> ConfirmedSamples(const DepthView& reference,
 std::optional<ViewAgreement> AgreementOf(const DepthView& first, const DepthView& second,
                                          const FusionOptions& options) {
   constexpr int kStride = 8;
+  constexpr double kDark = 3.0 * 16.0;  // ratios of less are made of black levels
   const DepthView* const others[] = {&second};
   const Neighbour neighbour = Prepare(first, others).front();
   const auto grey = [](const DepthMap& map, cv::Point pixel) {
     const cv::Vec3b& bgr = map.colour.at<cv::Vec3b>(pixel);
-    return std::max(1.0, static_cast<double>(bgr[0]) + bgr[1] + bgr[2]);
+    return static_cast<double>(bgr[0]) + bgr[1] + bgr[2];
   };
   int shared = 0;
+  int agreeing = 0;
   std::vector<double> ratios;
   for (int row = 0; row < first.map.disparity.rows; row += kStride) {
     for (int column = 0; column < first.map.disparity.cols; column += kStride) {
@@ -195,11 +196,13 @@ std::optional<ViewAgreement> AgreementOf(const DepthView& first, const DepthView
       const Opinion opinion = Ask(neighbour, *measured, options);
       if (opinion.verdict != Verdict::kNone) ++shared;
       if (opinion.verdict != Verdict::kAgrees) continue;
-      ratios.push_back(grey(second.map, opinion.pixel) / grey(first.map, {column, row}));
+      ++agreeing;
+      const double own = grey(first.map, {column, row}), other = grey(second.map, opinion.pixel);
+      if (own > kDark && other > kDark) ratios.push_back(other / own);
     }
   }
   if (shared < kMinSharedPixels) return std::nullopt;
-  const double share = static_cast<double>(ratios.size()) / shared;
+  const double share = static_cast<double>(agreeing) / shared;
   return ViewAgreement{share, ratios.empty() ? 1.0 : Median(std::move(ratios))};
 }
 

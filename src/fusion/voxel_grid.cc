@@ -98,6 +98,7 @@ SurfacePoint VoxelGrid::PointOf(const Voxel& voxel) const {
   }
   constexpr std::uint32_t kMost = std::numeric_limits<std::uint16_t>::max();
   point.observations = static_cast<std::uint16_t>(std::min(voxel.observations, kMost));
+  point.grain_m = static_cast<float>(voxel_m_);
   // The root mean inverse variance, not the sigma of the mean: samples share their frames' errors.
   point.sigma_m = std::sqrt(static_cast<float>(voxel.samples) / voxel.weight);
   return point;

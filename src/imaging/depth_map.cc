@@ -1,30 +1,33 @@
 #include "imaging/depth_map.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <opencv2/imgcodecs.hpp>
 #include <vector>
 
 #include "core/artefact.h"
+#include "core/error.h"
 #include "geometry/serialize.h"
 
 namespace rigmap {
 namespace {
 
-constexpr double kStoredSteps = 64.0;        // per pixel of disparity
+constexpr double kMostStoredSteps = 64.0;    // per pixel of disparity
 constexpr double kStoredSigmaSteps = 128.0;  // per pixel of its sigma
 
 struct StoredDepth {
   StampNs stamp_ns = 0;
   Camera camera;
   Rigid3 left_from_rectified;
-  double baseline_m = 0.0;
+  double baseline_m = 0.0, steps_per_px = 0.0;
   std::vector<uchar> disparity_png, sigma_png, colour_png;
 
   template <class Archive>
   void serialize(Archive& archive) {
-    archive(stamp_ns, camera, left_from_rectified, baseline_m, disparity_png, sigma_png,
-            colour_png);
+    archive(stamp_ns, camera, left_from_rectified, baseline_m, steps_per_px, disparity_png,
+            sigma_png, colour_png);
   }
 };
 
@@ -32,6 +35,15 @@ std::vector<uchar> EncodePng(const cv::Mat& image) {
   std::vector<uchar> png;
   cv::imencode(".png", image, png, {cv::IMWRITE_PNG_COMPRESSION, 1});
   return png;
+}
+
+// So many that the largest disparity fits into 16 bits.
+double StepsPerPixel(const cv::Mat& disparity) {
+  double largest_px = 0.0;
+  cv::minMaxLoc(disparity, nullptr, &largest_px);
+  double steps = kMostStoredSteps;
+  while (steps * largest_px >= 65535.0) steps *= 0.5;
+  return steps;
 }
 
 }  // namespace
@@ -60,14 +72,15 @@ std::optional<double> DisparityBiasPx(const DepthMap& map,
 void SaveDepth(const std::filesystem::path& path, const std::string& key, const DepthMap& map) {
   cv::Mat steps, sigma_steps, colour = map.colour.clone();
   const cv::Mat unknown = map.disparity == 0.0F;
-  map.disparity.convertTo(steps, CV_16U, kStoredSteps);
+  const double steps_per_px = StepsPerPixel(map.disparity);
+  map.disparity.convertTo(steps, CV_16U, steps_per_px);
   map.disparity_sigma.convertTo(sigma_steps, CV_8U, kStoredSigmaSteps);
   sigma_steps = cv::max(sigma_steps, 1);
   sigma_steps.setTo(0, unknown);
   colour.setTo(cv::Scalar::all(0), unknown);
-  const StoredDepth stored{map.stamp_ns,     map.camera,       map.left_from_rectified,
-                           map.baseline_m,   EncodePng(steps), EncodePng(sigma_steps),
-                           EncodePng(colour)};
+  const StoredDepth stored{map.stamp_ns,           map.camera,       map.left_from_rectified,
+                           map.baseline_m,         steps_per_px,     EncodePng(steps),
+                           EncodePng(sigma_steps), EncodePng(colour)};
   WriteArtefact(path, key, stored);
 }
 
@@ -85,9 +98,16 @@ std::optional<DepthMap> LoadDepth(const std::filesystem::path& path, const std::
   const cv::Mat sigma_steps = cv::imdecode(stored->sigma_png, cv::IMREAD_UNCHANGED);
   map.colour = cv::imdecode(stored->colour_png, cv::IMREAD_COLOR);
   if (steps.empty() || sigma_steps.empty() || map.colour.empty()) return std::nullopt;
-  steps.convertTo(map.disparity, CV_32F, 1.0 / kStoredSteps);
+  steps.convertTo(map.disparity, CV_32F, 1.0 / stored->steps_per_px);
   sigma_steps.convertTo(map.disparity_sigma, CV_32F, 1.0 / kStoredSigmaSteps);
   return map;
+}
+
+DepthMap ReadDepth(const std::filesystem::path& path, const std::string& key) {
+  std::optional<DepthMap> map = LoadDepth(path, key);
+  if (map) return std::move(*map);
+  throw DataError(
+      fmt::format("{}: expected the depth map with key {}, found none", path.string(), key));
 }
 
 }  // namespace rigmap

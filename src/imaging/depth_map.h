@@ -15,14 +15,17 @@ namespace rigmap {
 
 // Disparities are kept rather than depths: they are what was measured, and a plane is an affine
 // function of the pixel in them.
+inline constexpr float kUnsurePx = 1.0F;
 struct DepthMap {
   StampNs stamp_ns = 0;
   Camera camera;               // of the rectified left view: a pinhole, fx == fy
   Rigid3 left_from_rectified;  // a rotation only
   double baseline_m = 0.0;
-  cv::Mat disparity;        // CV_32FC1, px; 0: unknown
-  cv::Mat disparity_sigma;  // CV_32FC1, px; one standard deviation of each known disparity
-  cv::Mat colour;           // CV_8UC3, BGR; anything where the disparity is unknown
+  cv::Mat disparity;  // CV_32FC1, px; 0: unknown
+  // CV_32FC1, px; one standard deviation of each known disparity, kUnsurePx where it may be that of
+  // something beside.
+  cv::Mat disparity_sigma;
+  cv::Mat colour;  // CV_8UC3, BGR; anything where the disparity is unknown
 
   // z in rectified axes, metres, of a known disparity (> 0); and its standard deviation
   // z^2 / (f b) sigma_d.
@@ -45,11 +48,13 @@ inline constexpr int kMinBiasPoints = 20;
 std::optional<double> DisparityBiasPx(const DepthMap& map,
                                       std::span<const Eigen::Vector3d> x_in_left);
 
-// An artefact (core/artefact.h) with disparities in steps of 1/64 px (below 1024 px), their sigmas
-// in steps of 1/128 px (up to 2 px) and colours of known pixels, compressed without loss: 2 to 3 MB
-// for 1024 x 768.
+// An artefact (core/artefact.h) with disparities in steps of 1/64 px (coarser where any is 1024 px
+// or more), their sigmas in steps of 1/128 px (up to 2 px) and colours of known pixels, compressed
+// without loss: 2 to 3 MB for 1024 x 768.
 void SaveDepth(const std::filesystem::path& path, const std::string& key, const DepthMap& map);
 // Nothing if there is no map with this key.
 std::optional<DepthMap> LoadDepth(const std::filesystem::path& path, const std::string& key);
+// The same, where it has to be there: throws DataError if it is not.
+DepthMap ReadDepth(const std::filesystem::path& path, const std::string& key);
 
 }  // namespace rigmap

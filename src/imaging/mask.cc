@@ -30,6 +30,12 @@ cv::Mat SaturatedAreas(const cv::Mat& grey, const MaskOptions& options) {
   return saturated;
 }
 
+cv::Mat BlackAreas(const cv::Mat& grey, const MaskOptions& options) {
+  cv::Mat black = grey < options.black_level;
+  cv::morphologyEx(black, black, cv::MORPH_OPEN, Square(options.saturation_width_px));
+  return black;
+}
+
 int MedianOf(const cv::Mat& grey, const cv::Mat& where) {
   std::array<int, 256> histogram{};
   int count = 0;
@@ -125,6 +131,7 @@ cv::Mat StaticMask(const RigEye& eye) {
 cv::Mat UsableMask(const cv::Mat& grey, const cv::Mat& static_mask, const MaskOptions& options) {
   cv::Mat usable = static_mask.clone();
   usable.setTo(0, SaturatedAreas(grey, options));
+  usable.setTo(0, BlackAreas(grey, options));
   if (options.sky) usable.setTo(0, Sky(grey, options));
   return usable;
 }

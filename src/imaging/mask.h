@@ -14,9 +14,9 @@ namespace rigmap {
 // when the mask file cannot be read or is not of the camera's size.
 cv::Mat StaticMask(const RigEye& eye);
 
-// The static mask without saturated areas (not single glints) and, if asked for, the sky: a
-// smooth or region that hangs from the top border and is clearly brighter than the
-// image below. A dark sky and dark or textured walls stay. About 2 ms for 1024 x 768.
+// The static mask without saturated areas (not single glints), without black ones and, if asked
+// for, without the sky: a smooth region that hangs from the top border and is clearly brighter than
+// the image below. A dark sky and dark or textured walls stay. About 2 ms for 1024 x 768.
 cv::Mat UsableMask(const cv::Mat& grey, const cv::Mat& static_mask, const MaskOptions& options);
 
 }  // namespace rigmap

@@ -9,6 +9,7 @@ namespace rigmap {
 struct MaskOptions {
   static constexpr const char* kSection = "masks";
 
+  int black_level = 3;
   int saturation_level = 250;
   int saturation_width_px = 15;
   double saturation_margin_px = 3.0;

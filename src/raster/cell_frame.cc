@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
+#include <limits>
 
 #include "core/error.h"
 #include "export/ply_reader.h"
@@ -14,16 +16,15 @@ namespace {
 constexpr double kMaxCells = 1e11;
 constexpr double kMaxSideCells = 1e9;  // so that cells can be counted in an int
 
-Eigen::AlignedBox2d BoundsOf(const std::filesystem::path& ply) {
-  Eigen::AlignedBox2d bounds;
+void ForEachFinite(const std::filesystem::path& ply,
+                   const std::function<void(const SurfacePoint&)>& take) {
   PlyReader reader(ply);
   PointCloud block;
   while (reader.Read(block)) {
     for (const SurfacePoint& point : block) {
-      if (point.x_in_world.allFinite()) bounds.extend(point.x_in_world.head<2>().cast<double>());
+      if (point.x_in_world.allFinite()) take(point);
     }
   }
-  return bounds;
 }
 
 }  // namespace
@@ -42,10 +43,24 @@ void GriddedCloud::Validate() const {
   }
 }
 
+void ForEachShown(const GriddedCloud& cloud, const std::function<void(const SurfacePoint&)>& take) {
+  double finest_m = std::numeric_limits<double>::infinity();
+  ForEachFinite(cloud.ply, [&](const SurfacePoint& point) {
+    finest_m = std::min<double>(finest_m, point.grain_m);
+  });
+  const double most_m = kMostCells * std::max(cloud.cell_m, finest_m);
+  ForEachFinite(cloud.ply, [&](const SurfacePoint& point) {
+    if (point.grain_m <= most_m) take(point);
+  });
+}
+
 CellFrame FrameOf(const GriddedCloud& cloud) {
   const std::filesystem::path& ply = cloud.ply;
   const double cell_m = cloud.cell_m;
-  const Eigen::AlignedBox2d bounds = BoundsOf(ply);
+  Eigen::AlignedBox2d bounds;
+  ForEachShown(cloud, [&](const SurfacePoint& point) {
+    bounds.extend(point.x_in_world.head<2>().cast<double>());
+  });
   if (bounds.isEmpty()) {
     throw DataError(fmt::format("{}: expected points, found none", ply.string()));
   }

@@ -4,7 +4,10 @@
 #include <Eigen/Core>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <string>
+
+#include "scene/point_cloud.h"
 
 namespace rigmap {
 
@@ -28,8 +31,8 @@ struct CellFrame {
   int TilesDown() const { return (rows + kTileCells - 1) / kTileCells; }
 };
 
-// A cloud in metres, z up, in any order. Its cells are the voxels it was merged in: finer ones
-// leave holes between the points, coarser ones lose detail.
+// A cloud in metres, z up, in any order. Its cells are the finest voxels it was merged in: finer
+// ones leave holes between the points, coarser ones lose detail.
 struct GriddedCloud {
   std::filesystem::path ply;
   double cell_m = 0.0;
@@ -38,9 +41,15 @@ struct GriddedCloud {
   void Validate() const;  // throws UsageError for cells that are none
 };
 
-// The smallest frame that holds all finite points of a cloud. Throws DataError naming the file for
-// a cloud that cannot be read or has no such point, and for one whose map would have more than 1e11
-// cells.
+// Calls `take` with the finite points of a cloud that stand for no more than kMostCells cells to a
+// side (or, where all stand for more, times the side of the finest): what is coarser lies too far
+// away to be drawn to the scale of the rest. Throws DataError for a cloud that cannot be read.
+inline constexpr double kMostCells = 8.0;
+void ForEachShown(const GriddedCloud& cloud, const std::function<void(const SurfacePoint&)>& take);
+
+// The smallest frame that holds all points of a cloud that are shown. Throws DataError naming the
+// file for a cloud that cannot be read or has no such point, and for one whose map would have more
+// than 1e11 cells.
 CellFrame FrameOf(const GriddedCloud& cloud);
 
 }  // namespace rigmap

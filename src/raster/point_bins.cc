@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <cmath>
 #include <cstring>
 #include <utility>
 
@@ -35,27 +36,30 @@ std::size_t PointBins::TileIndex(int tile_column, int tile_row) const {
 
 void PointBins::Add(const SurfacePoint& point) {
   const int column = frame_.Column(point.x_in_world.x()), row = frame_.Row(point.x_in_world.y());
+  const int side = std::clamp(static_cast<int>(std::lround(point.grain_m / frame_.cell_m)), 1,
+                              static_cast<int>(kMostCells));
+  const int first_row = std::max(row - side / 2, 0), first_column = std::max(column - side / 2, 0);
+  const int end_row = std::min(row - side / 2 + side, frame_.rows);
+  const int end_column = std::min(column - side / 2 + side, frame_.columns);
+  for (int r = first_row; r < end_row; ++r) {
+    for (int c = first_column; c < end_column; ++c) AddAt(point, c, r);
+  }
+  if (waiting_count_ >= kMaxWaiting) Flush();
+}
+
+void PointBins::AddAt(const SurfacePoint& point, int column, int row) {
   const int first_column = std::max(column - margin_, 0) / kTile;
   const int last_column = std::min((column + margin_) / kTile, frame_.TilesAcross() - 1);
   const int first_row = std::max(row - margin_, 0) / kTile;
   const int last_row = std::min((row + margin_) / kTile, frame_.TilesDown() - 1);
   for (int r = first_row; r <= last_row; ++r) {
-    for (int c = first_column; c <= last_column; ++c) AddToTile(point, c, r);
+    for (int c = first_column; c <= last_column; ++c) {
+      waiting_[TileIndex(c, r)].push_back(
+          {point.x_in_world.z(), static_cast<std::uint16_t>(column - c * kTile + margin_),
+           static_cast<std::uint16_t>(row - r * kTile + margin_), point.rgb, point.observations});
+      ++waiting_count_;
+    }
   }
-  if (waiting_count_ >= kMaxWaiting) Flush();
-}
-
-void PointBins::AddToTile(const SurfacePoint& point, int tile_column, int tile_row) {
-  BinnedPoint binned;
-  binned.height_m = point.x_in_world.z();
-  binned.column = static_cast<std::uint16_t>(frame_.Column(point.x_in_world.x()) -
-                                             tile_column * kTile + margin_);
-  binned.row =
-      static_cast<std::uint16_t>(frame_.Row(point.x_in_world.y()) - tile_row * kTile + margin_);
-  binned.rgb = point.rgb;
-  binned.observations = point.observations;
-  waiting_[TileIndex(tile_column, tile_row)].push_back(binned);
-  ++waiting_count_;
 }
 
 void PointBins::Flush() {

@@ -6,7 +6,6 @@
 #include <cmath>
 
 #include "core/error.h"
-#include "export/ply_reader.h"
 #include "raster/internal/point_bins.h"
 
 namespace rigmap {
@@ -44,14 +43,8 @@ void Publish(const fs::path& from, const fs::path& to) {
   if (code) throw DataError(fmt::format("{}: cannot write: {}", to.string(), code.message()));
 }
 
-void FillBins(const fs::path& ply, PointBins& bins) {
-  PlyReader reader(ply);
-  PointCloud block;
-  while (reader.Read(block)) {
-    for (const SurfacePoint& point : block) {
-      if (point.x_in_world.allFinite()) bins.Add(point);
-    }
-  }
+void FillBins(const GriddedCloud& cloud, PointBins& bins) {
+  ForEachShown(cloud, [&](const SurfacePoint& point) { bins.Add(point); });
   bins.Flush();
 }
 
@@ -92,7 +85,7 @@ void WriteSurfaceRasters(const GriddedCloud& cloud, const fs::path& folder,
   const ScratchFolder scratch(folder / "rasters.unfinished");
   const GdalSession session;
   PointBins bins(frame, options.max_hole_cells, scratch.File("points"));
-  FillBins(cloud.ply, bins);
+  FillBins(cloud, bins);
   MapFile height(scratch.File("height"), MapLayer::kHeight, frame, georeference, cloud.warning);
   MapFile ortho(scratch.File("ortho"), MapLayer::kColour, frame, georeference, cloud.warning);
   WriteTiles(bins, frame, options.max_hole_cells, {&height, &ortho});

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <functional>
 #include <opencv2/imgcodecs.hpp>
 #include <string>
 
@@ -59,27 +58,18 @@ std::array<View, 3> Views(const Trajectory& trajectory) {
                ObliqueView(direction)}};
 }
 
-void ForEachPoint(const fs::path& ply, const std::function<void(const SurfacePoint&)>& take) {
-  PlyReader reader(ply);
-  PointCloud block;
-  while (reader.Read(block)) {
-    for (const SurfacePoint& point : block) {
-      if (point.x_in_world.allFinite()) take(point);
-    }
-  }
-}
-
-void CountExtents(const fs::path& ply, std::array<View, 3>& views) {
-  const std::uint64_t stride = PlyReader(ply).point_count() / kSamples + 1;
+void CountExtents(const GriddedCloud& cloud, std::array<View, 3>& views) {
+  const std::uint64_t stride = PlyReader(cloud.ply).point_count() / kSamples + 1;
   std::uint64_t index = 0;
-  ForEachPoint(ply, [&](const SurfacePoint& point) {
+  ForEachShown(cloud, [&](const SurfacePoint& point) {
     if (index++ % stride != 0) return;
     for (View& view : views) {
       const Eigen::Vector3d x_in_view = view.axes.ViewFromWorld(point.x_in_world.cast<double>());
       for (int i = 0; i < 2; ++i) view.counters[i].Add(x_in_view(i));
     }
   });
-  if (index == 0) throw DataError(fmt::format("{}: expected points, found none", ply.string()));
+  if (index == 0)
+    throw DataError(fmt::format("{}: expected points, found none", cloud.ply.string()));
 }
 
 // Takes in the points without strays, and the path; the longest side of the picture has its size.
@@ -120,21 +110,21 @@ void ForEachPixel(const View& view, const Eigen::Vector3d& x_in_view, double cel
 }
 
 // What is nearest to the viewer, pixel by pixel.
-std::array<SurfaceGrid, 3> Surfaces(const fs::path& ply, const std::array<View, 3>& views,
-                                    double cell_m) {
+std::array<SurfaceGrid, 3> Surfaces(const GriddedCloud& cloud, const std::array<View, 3>& views) {
   std::vector<UpperSurface> surfaces;
   for (const View& view : views) {
-    const double layer_m = 2.0 * std::max(cell_m, 1.0 / view.px_per_m);
+    const double layer_m = 2.0 * std::max(cloud.cell_m, 1.0 / view.px_per_m);
     surfaces.emplace_back(view.size_px.width, view.size_px.height, layer_m);
   }
   const auto visit = [&](auto deed) {
-    ForEachPoint(ply, [&](const SurfacePoint& point) {
+    ForEachShown(cloud, [&](const SurfacePoint& point) {
       for (std::size_t i = 0; i < views.size(); ++i) {
         const Eigen::Vector3d x_in_view =
             views[i].axes.ViewFromWorld(point.x_in_world.cast<double>());
-        ForEachPixel(views[i], x_in_view, cell_m, [&](int column, int row) {
-          deed(surfaces[i], column, row, static_cast<float>(x_in_view.z()), point);
-        });
+        ForEachPixel(views[i], x_in_view, std::max<double>(cloud.cell_m, point.grain_m),
+                     [&](int column, int row) {
+                       deed(surfaces[i], column, row, static_cast<float>(x_in_view.z()), point);
+                     });
       }
     });
   };
@@ -217,9 +207,9 @@ void WriteSurfaceViews(const GriddedCloud& cloud, const Trajectory& trajectory,
   cloud.Validate();
   RequireValid(options);
   std::array<View, 3> views = Views(trajectory);
-  CountExtents(cloud.ply, views);
+  CountExtents(cloud, views);
   for (View& view : views) Frame(trajectory, options.picture_px, view);
-  std::array<SurfaceGrid, 3> surfaces = Surfaces(cloud.ply, views, cloud.cell_m);
+  std::array<SurfaceGrid, 3> surfaces = Surfaces(cloud, views);
   for (std::size_t i = 0; i < views.size(); ++i) {
     const double gap_px = std::min(kMaxGap_m * views[i].px_per_m, kMaxGapPx);
     const int max_width_px = 1 + static_cast<int>(gap_px);

@@ -14,6 +14,7 @@ struct SurfacePoint {
   std::array<std::uint8_t, 3> rgb{};
   std::uint16_t observations = 0;  // depth pixels that were merged into it
   float sigma_m = 0.0F;            // one standard deviation along the viewing rays
+  float grain_m = 0.0F;            // side of the cube that it stands for; 0: unknown
 };
 
 using PointCloud = std::vector<SurfacePoint>;

@@ -9,7 +9,7 @@ namespace rigmap {
 struct VoxelOptions {
   static constexpr const char* kSection = "fusion";
 
-  double voxel_m = 0.01;
+  double voxel_m = 0.0;  // 0: VoxelFor
 
   OptionFields Fields();
 };

@@ -68,6 +68,7 @@ class DenseMatcherOnSand : public testing::TestWithParam<DenseMethod> {
   TemporaryFolder folder_;
   StereoRig rig_ = SmallRig();
   StereoFrame frame_;
+  double nearest_m_ = 0.4;
   DenseOptions options_;
   inline static SimulatedShot* shot_ = nullptr;
 };
@@ -78,7 +79,7 @@ INSTANTIATE_TEST_SUITE_P(Methods, DenseMatcherOnSand,
 
 TEST_P(DenseMatcherOnSand, FindsTheSand) {
   if (options_.method == DenseMethod::kBm) options_.block_px = 15;
-  const DepthMap map = DenseMatcher(rig_, options_, {}).Compute(frame_);
+  const DepthMap map = DenseMatcher(rig_, nearest_m_, options_, {}).Compute(frame_);
   const std::vector<double> errors = Errors(map);
   ASSERT_GT(errors.size(), rig_.left.camera.width * rig_.left.camera.height * 0.5);
   EXPECT_NEAR(errors[errors.size() / 2], 0.0, 0.05) << "median, px";
@@ -88,7 +89,7 @@ TEST_P(DenseMatcherOnSand, FindsTheSand) {
 
 TEST_P(DenseMatcherOnSand, HasNoBiasAgainstSparsePoints) {
   SeededRandom random;
-  const DepthMap map = DenseMatcher(rig_, options_, {}).Compute(frame_);
+  const DepthMap map = DenseMatcher(rig_, nearest_m_, options_, {}).Compute(frame_);
   std::vector<Eigen::Vector3d> points;
   for (int i = 0; i < 500; ++i) {
     points.push_back(*shot_->HitAlong({random.Uniform(-0.4, 0.4), random.Uniform(-0.3, 0.4), 1.0}));
@@ -99,17 +100,17 @@ TEST_P(DenseMatcherOnSand, HasNoBiasAgainstSparsePoints) {
 }
 
 TEST_P(DenseMatcherOnSand, KeepsToItsRangeAndMasks) {
-  options_.min_depth_m = 1.3;
+  nearest_m_ = 1.3;
   options_.max_range_m = 1.7;
   rig_.left.calibrated_region = PixelRegion{0, 0, rig_.left.camera.width / 2, 10000};
-  const DepthMap map = DenseMatcher(rig_, options_, {}).Compute(frame_);
+  const DepthMap map = DenseMatcher(rig_, nearest_m_, options_, {}).Compute(frame_);
   int known = 0;
   for (int row = 0; row < map.disparity.rows; ++row) {
     for (int column = 0; column < map.disparity.cols; ++column) {
       const double found = map.disparity.at<float>(row, column);
       if (found <= 0.0) continue;
       ++known;
-      ASSERT_GE(map.Depth(found), options_.min_depth_m - 1e-6);
+      ASSERT_GE(map.Depth(found), nearest_m_ - 1e-6);
       ASSERT_LE(map.Depth(found), options_.max_range_m + 1e-6);
       const Eigen::Vector3d x = map.PointInRectified(column, row, found);
       const auto pixel = Project(rig_.left.camera, map.left_from_rectified * x);
@@ -120,13 +121,34 @@ TEST_P(DenseMatcherOnSand, KeepsToItsRangeAndMasks) {
   EXPECT_GT(known, 5000);
 }
 
+TEST_P(DenseMatcherOnSand, LeavesOutWhatItKnowsTooLittleOf) {
+  options_.max_range_m = 0.0;
+  const auto worst_pct = [&] {
+    const DepthMap map = DenseMatcher(rig_, nearest_m_, options_, {}).Compute(frame_);
+    double worst = 0.0;
+    for (int row = 0; row < map.disparity.rows; ++row) {
+      for (int column = 0; column < map.disparity.cols; ++column) {
+        const float found = map.disparity.at<float>(row, column);
+        if (found <= 0.0F) continue;
+        worst = std::max(worst, 100.0 * map.disparity_sigma.at<float>(row, column) / found);
+      }
+    }
+    return worst;
+  };
+  EXPECT_GT(worst_pct(), 2.0);
+  EXPECT_LE(worst_pct(), options_.max_depth_sigma_pct);
+  options_.max_depth_sigma_pct = 1.5;
+  EXPECT_GT(worst_pct(), 0.0);
+  EXPECT_LE(worst_pct(), 1.5);
+}
+
 TEST_P(DenseMatcherOnSand, KnowsNothingWhereItsMaskIsZero) {
   const Camera& camera = rig_.left.camera;
   cv::Mat mask(camera.height, camera.width, CV_8UC1, cv::Scalar(255));
   const cv::Rect ignored(camera.width / 2, camera.height / 2, 120, 80);
   mask(ignored) = 0;
-  const DepthMap all = DenseMatcher(rig_, options_, {}).Compute(frame_);
-  const DepthMap masked = DenseMatcher(rig_, options_, {}, mask).Compute(frame_);
+  const DepthMap all = DenseMatcher(rig_, nearest_m_, options_, {}).Compute(frame_);
+  const DepthMap masked = DenseMatcher(rig_, nearest_m_, options_, {}, mask).Compute(frame_);
   const auto count_in_ignored = [&](const DepthMap& map) {
     int known = 0;
     for (int row = 0; row < map.disparity.rows; ++row) {
@@ -149,25 +171,17 @@ TEST_P(DenseMatcherOnSand, KnowsNothingWhereItsMaskIsZero) {
 
 TEST_P(DenseMatcherOnSand, IsTheSameWithAMaskThatAllowsAll) {
   const cv::Mat mask(rig_.left.camera.height, rig_.left.camera.width, CV_8UC1, cv::Scalar(255));
-  EXPECT_EQ(cv::norm(DenseMatcher(rig_, options_, {}, mask).Compute(frame_).disparity,
-                     DenseMatcher(rig_, options_, {}).Compute(frame_).disparity, cv::NORM_INF),
+  EXPECT_EQ(cv::norm(DenseMatcher(rig_, nearest_m_, options_, {}, mask).Compute(frame_).disparity,
+                     DenseMatcher(rig_, nearest_m_, options_, {}).Compute(frame_).disparity,
+                     cv::NORM_INF),
             0.0);
 }
 
 TEST_P(DenseMatcherOnSand, IsTheSameTwice) {
-  const DenseMatcher matcher(rig_, options_, {});
+  const DenseMatcher matcher(rig_, nearest_m_, options_, {});
   EXPECT_EQ(
       cv::norm(matcher.Compute(frame_).disparity, matcher.Compute(frame_).disparity, cv::NORM_INF),
       0.0);
-}
-
-TEST(DenseOptions, DerivesTheRangeFromTheDepthSigma) {
-  DenseOptions options;
-  const double depth_m = options.MaxDepth(840.0, 0.12);
-  const double sigma_m = depth_m * depth_m / (840.0 * 0.12) * options.disparity_sigma_px;
-  EXPECT_NEAR(sigma_m, options.max_depth_sigma_m, 1e-12);
-  options.max_range_m = 3.0;
-  EXPECT_EQ(options.MaxDepth(840.0, 0.12), 3.0);
 }
 
 TEST(DenseOptions, RefusesWhatMakesNoSense) {
@@ -194,7 +208,8 @@ TEST(DenseOptions, RefusesWhatMakesNoSense) {
   options.large_step_cost = options.small_step_cost;
   EXPECT_THROW(RequireValid(options), UsageError);
   options = {};
-  options.max_range_m = options.min_depth_m;
+  options.min_depth_m = 2.0;
+  options.max_range_m = 2.0;
   EXPECT_THROW(RequireValid(options), UsageError);
 }
 

@@ -136,7 +136,8 @@ TEST_P(RefineDisparityOf, TakesRoundingAndBiasAway) {
   const cv::Mat rough = RoundedAndBiased(GetParam().disparity);
   const RefinedDisparity refined = RefineDisparity(pair.left, pair.right, rough, options_);
   const auto errors = Errors(refined.disparity, GetParam().disparity);
-  ASSERT_EQ(errors.size(), static_cast<std::size_t>(cv::countNonZero(rough)));
+  // Here and there even white noise is nearly level for nine pixels.
+  EXPECT_GT(errors.size(), 0.999 * cv::countNonZero(rough));
   EXPECT_NEAR(errors[errors.size() / 2], 0.0, 0.02) << "px";
   EXPECT_LT(Rms(errors), 0.5 * Rms(Errors(rough, GetParam().disparity)));
 }
@@ -192,6 +193,23 @@ TEST_P(RefineDisparityOf, DoesNotMindBrightness) {
   EXPECT_LT(cv::norm(one.sigma, other.sigma, cv::NORM_INF), 1e-3) << "px";
 }
 
+TEST_P(RefineDisparityOf, KnowsNothingWhereNothingButNoiseIsSeen) {
+  cv::Mat left(kRows, kColumns, CV_8UC1), right(kRows, kColumns, CV_8UC1);
+  for (cv::Mat* view : {&left, &right}) {
+    for (int row = 0; row < kRows; ++row) {
+      for (int column = 0; column < kColumns; ++column) {
+        view->at<uchar>(row, column) = cv::saturate_cast<uchar>(20.0 + random_.Normal(2.0));
+      }
+    }
+  }
+  const cv::Mat rough = RoundedAndBiased(GetParam().disparity);
+  const RefinedDisparity dark = RefineDisparity(left, right, rough, options_);
+  // Texture has to stand out by one sigma.
+  EXPECT_LT(cv::countNonZero(dark.disparity), 0.16 * cv::countNonZero(rough));
+  const cv::Mat flat(kRows, kColumns, CV_8UC1, cv::Scalar(1));
+  EXPECT_EQ(cv::countNonZero(RefineDisparity(flat, flat, rough, options_).disparity), 0);
+}
+
 TEST_P(RefineDisparityOf, LeavesTheUnknownUnknown) {
   const ViewPair pair = Render(Texture(random_, 20.0), GetParam().disparity, random_);
   cv::Mat rough = RoundedAndBiased(GetParam().disparity);
@@ -202,7 +220,8 @@ TEST_P(RefineDisparityOf, LeavesTheUnknownUnknown) {
   }
   const RefinedDisparity refined = RefineDisparity(pair.left, pair.right, rough, options_);
   const cv::Mat was_known = rough > 0.0F, is_known = refined.disparity > 0.0F;
-  EXPECT_EQ(cv::countNonZero(was_known != is_known), 0);
+  EXPECT_EQ(cv::countNonZero(is_known & ~was_known), 0);
+  EXPECT_GT(cv::countNonZero(is_known), 0.999 * cv::countNonZero(was_known));
   EXPECT_EQ(cv::countNonZero(refined.disparity < 0.0F), 0);
   const auto errors = Errors(refined.disparity, GetParam().disparity);
   EXPECT_NEAR(errors[errors.size() / 2], 0.0, 0.02) << "px";

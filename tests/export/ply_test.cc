@@ -18,7 +18,7 @@ namespace {
 using testing::HasSubstr;
 using testing::StartsWith;
 
-constexpr std::size_t kBytesPerPoint = 33;
+constexpr std::size_t kBytesPerPoint = 37;
 
 SurfacePoint RandomPoint(SeededRandom& random) {
   SurfacePoint point;
@@ -27,6 +27,7 @@ SurfacePoint RandomPoint(SeededRandom& random) {
   for (auto& channel : point.rgb) channel = static_cast<std::uint8_t>(random.Uniform(0.0, 256.0));
   point.observations = static_cast<std::uint16_t>(random.Uniform(0.0, 65536.0));
   point.sigma_m = static_cast<float>(random.Uniform(0.0, 0.1));
+  point.grain_m = static_cast<float>(random.Uniform(0.0, 1.0));
   return point;
 }
 
@@ -49,7 +50,7 @@ std::string Written(std::span<const SurfacePoint> cloud, std::size_t points_per_
 
 bool operator==(const SurfacePoint& a, const SurfacePoint& b) {
   return a.x_in_world == b.x_in_world && a.normal == b.normal && a.rgb == b.rgb &&
-         a.observations == b.observations && a.sigma_m == b.sigma_m;
+         a.observations == b.observations && a.sigma_m == b.sigma_m && a.grain_m == b.grain_m;
 }
 
 std::string ComplaintAboutPly(const std::string& bytes) {
@@ -152,7 +153,7 @@ TEST(Ply, NamesWhatItCannotRead) {
   const std::string good = Written(RandomCloud(random, 3), 3);
   EXPECT_EQ(ComplaintAboutPly(good), "");
   EXPECT_THAT(ComplaintAboutPly(good.substr(0, good.size() - 1)),
-              HasSubstr("cloud.ply: expected 3 vertices of 33 bytes, found 98"));
+              HasSubstr("cloud.ply: expected 3 vertices of 37 bytes, found 110"));
   EXPECT_THAT(ComplaintAboutPly(good.substr(0, 60)), HasSubstr("expected 'end_header'"));
   EXPECT_THAT(ComplaintAboutPly("solid cube"), HasSubstr("cloud.ply: expected a PLY file"));
   EXPECT_THAT(ComplaintAboutPly("ply\nformat ascii 1.0\nend_header\n"), HasSubstr("found 'ascii'"));

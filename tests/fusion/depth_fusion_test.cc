@@ -22,7 +22,7 @@ namespace {
 class FuseDepthMapsOfGround : public testing::Test {
  protected:
   // With half a pixel's noise the small camera is less certain than a point may be by default.
-  void SetUp() override { options_.max_sigma_m = 1.0; }
+  void SetUp() override { options_.max_sigma_pct = 100.0; }
 
   void Drive(int frames, const GroundView& view) {
     for (int i = 0; i < frames; ++i) AddView(0.17 * i + 0.01 * random_.Uniform(0.0, 1.0), view);
@@ -46,7 +46,7 @@ class FuseDepthMapsOfGround : public testing::Test {
                               [&cloud](std::span<const SurfacePoint> piece) {
                                 cloud.insert(cloud.end(), piece.begin(), piece.end());
                               }};
-    left_out_ = FuseDepthMaps(depths, voxel_, options_, target);
+    left_out_ = FuseDepthMaps(depths, voxel_m_, options_, target);
     return cloud;
   }
   PointCloud Fuse() { return Fuse(depths_); }
@@ -63,7 +63,7 @@ class FuseDepthMapsOfGround : public testing::Test {
   TemporaryFolder folder_;
   std::vector<DepthMap> maps_;
   std::vector<PosedDepth> depths_;
-  VoxelOptions voxel_;
+  double voxel_m_ = 0.01;
   FusionOptions options_;
   std::vector<std::size_t> left_out_;
 };
@@ -115,6 +115,7 @@ TEST_F(FuseDepthMapsOfGround, GivesOneThinLayer) {
 }
 
 TEST_F(FuseDepthMapsOfGround, MergesWhatIsSeenTwice) {
+  voxel_m_ = 0.2;  // all of it is known to three of these
   Drive(1, {});
   options_.min_views = 1;
   const PointCloud once = Fuse();
@@ -128,7 +129,7 @@ TEST_F(FuseDepthMapsOfGround, MergesWhatIsSeenTwice) {
 TEST_F(FuseDepthMapsOfGround, HasFinerVoxelsOnSteepFaces) {
   Drive(4, {.noise_px = 0.05, .sigma_px = 0.05});
   options_.min_observations = 1;
-  voxel_.voxel_m = 0.04;  // larger than these small images' pixels
+  voxel_m_ = 0.04;  // larger than these small images' pixels
   const auto level = static_cast<double>(Fuse().size());
   const Rigid3 wall_from_ground{
       Eigen::Quaterniond(Eigen::AngleAxisd(std::numbers::pi / 2.0, Eigen::Vector3d::UnitX())),
@@ -142,6 +143,7 @@ TEST_F(FuseDepthMapsOfGround, HasFinerVoxelsOnSteepFaces) {
 }
 
 TEST_F(FuseDepthMapsOfGround, AveragesNoiseAway) {
+  voxel_m_ = 0.2;
   Drive(7, {.noise_px = 0.2});
   options_.min_observations = 1;
   const auto rms_m = [&](int neighbours, int min_views) {

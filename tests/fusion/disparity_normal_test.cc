@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "geometry/rigid3.h"
 #include "tests/support/seeded_random.h"
 
@@ -66,6 +68,37 @@ TEST(NormalInRectified, StaysWithinTheImage) {
       EXPECT_LT((normal + Eigen::Vector3d::UnitZ()).norm(), 1e-5);
     }
   }
+}
+
+TEST(LiesOnPlane, SaysSoOfLevelGroundFarAway) {
+  // Seen at 81 degrees from its normal; the image reaches no nearer to the horizon.
+  DepthMap map = PlaneSeen(Eigen::Vector3d(0.02, -1.0, -0.15).normalized(), 3.0);
+  EXPECT_TRUE(LiesOnPlane(map, kRow, kColumn));
+  SeededRandom random;
+  for (int row = 0; row < 60; ++row) {
+    for (int column = 0; column < 80; ++column) {
+      map.disparity.at<float>(row, column) += static_cast<float>(random.Normal(0.15));
+    }
+  }
+  EXPECT_TRUE(LiesOnPlane(map, kRow, kColumn));
+}
+
+// As matching leads from one side to the other.
+TEST(LiesOnPlane, DoesNotSayItOfAStepOfTheDepth) {
+  for (const float step_px : {2.0F, 4.0F, 20.0F}) {
+    DepthMap map = PlaneSeen({0.0, 0.0, -1.0}, 1.0);
+    for (int column = 0; column < 80; ++column) {
+      const float share = std::clamp(static_cast<float>(column - kColumn + 4) / 8.0F, 0.0F, 1.0F);
+      map.disparity.col(column) += step_px * share;
+    }
+    EXPECT_FALSE(LiesOnPlane(map, kRow, kColumn)) << step_px;
+  }
+}
+
+TEST(LiesOnPlane, DoesNotSayItWhereTooLittleIsKnown) {
+  DepthMap map = PlaneSeen({0.0, 0.0, -1.0}, 3.0);
+  map.disparity.colRange(0, kColumn - 2).setTo(0.0);
+  EXPECT_FALSE(LiesOnPlane(map, kRow, kColumn));
 }
 
 }  // namespace

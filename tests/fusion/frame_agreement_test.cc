@@ -108,5 +108,22 @@ TEST_F(FrameAgreementTest, AFrameThatSharesNoViewIsSoundAndAsBrightAsItIs) {
   EXPECT_EQ(agreement.BrightnessFor(3), 1.0);
 }
 
+// Each view is darker towards its edge, so that what comes nearer seems to get darker.
+TEST_F(FrameAgreementTest, WhatLensesShadeIsNoExposure) {
+  Make(30);
+  for (DepthMap& map : maps_) {
+    for (int row = 0; row < map.colour.rows; ++row) {
+      map.colour.row(row).setTo(cv::Scalar::all(200.0 - 0.5 * row));
+    }
+  }
+  FrameAgreement agreement = Compare();
+  for (std::size_t i = 0; i < 30; ++i) {
+    const double brightness = agreement.BrightnessFor(i);
+    if (i >= 10 && i < 29) {  // the last has no view after it
+      EXPECT_NEAR(brightness, 1.0, 0.1) << i;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace rigmap

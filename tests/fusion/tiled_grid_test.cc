@@ -20,7 +20,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double kVoxelM = 0.01;
-constexpr double kTileM = TiledGrid::kTileVoxels * kVoxelM;
+constexpr double kTileM = 256 * kVoxelM;
 constexpr std::size_t kPlenty = 1'000'000;
 
 // Some samples to each of 3000 places in about 25 tiles.
@@ -66,7 +66,7 @@ class TiledGridInScratch : public testing::Test {
   // What comes out tile by tile when something is set aside after every 4000 samples.
   std::vector<PointCloud> Pieces(const std::vector<SurfaceSample>& samples,
                                  std::size_t most_voxels) {
-    TiledGrid grid(kVoxelM, scratch_, most_voxels);
+    TiledGrid grid(kVoxelM, kTileM, scratch_, most_voxels);
     most_files_ = 0;
     for (std::size_t i = 0; i < samples.size(); ++i) {
       grid.Add(samples[i]);
@@ -75,9 +75,7 @@ class TiledGridInScratch : public testing::Test {
       most_files_ = std::max(most_files_, FileCount(scratch_));
     }
     std::vector<PointCloud> pieces;
-    grid.Drain(2, 0.04, [&](std::span<const SurfacePoint> piece) {
-      pieces.emplace_back(piece.begin(), piece.end());
-    });
+    for (const TileIndex& tile : grid.Tiles()) pieces.push_back(grid.Take(tile, 2, 0.04));
     return pieces;
   }
 
@@ -142,8 +140,18 @@ TEST_F(TiledGridInScratch, OrdersByTileThenVoxel) {
   EXPECT_GT(pieces, 20);
 }
 
+TEST_F(TiledGridInScratch, GivesATileOnce) {
+  TiledGrid grid(kVoxelM, kTileM, scratch_, kPlenty);
+  grid.Add(SampleInTile(3, -2));
+  ASSERT_EQ(grid.Tiles(), (std::vector<TileIndex>{{3, -2}}));
+  EXPECT_TRUE(grid.Take({0, 0}, 1, 1.0).empty());
+  EXPECT_EQ(grid.Take({3, -2}, 1, 1.0).size(), 1U);
+  EXPECT_TRUE(grid.Tiles().empty());
+  EXPECT_TRUE(grid.Take({3, -2}, 1, 1.0).empty());
+}
+
 TEST_F(TiledGridInScratch, SetsAsideWhatIsLongestUnused) {
-  TiledGrid grid(kVoxelM, scratch_, 2);
+  TiledGrid grid(kVoxelM, kTileM, scratch_, 2);
   for (const int x : {0, 1, 2, 0}) grid.Add(SampleInTile(x, 0));
   grid.SetAside();
   ASSERT_EQ(FileCount(scratch_), 1);
@@ -157,7 +165,7 @@ TEST_F(TiledGridInScratch, RemovesItsFolder) {
   fs::create_directories(scratch_);
   std::ofstream(scratch_ / "0_0") << "left over from a run that was killed";
   {
-    TiledGrid grid(kVoxelM, scratch_, 0);
+    TiledGrid grid(kVoxelM, kTileM, scratch_, 0);
     EXPECT_EQ(FileCount(scratch_), 0);
     grid.Add(SampleInTile(0, 0));
     grid.SetAside();
@@ -168,12 +176,12 @@ TEST_F(TiledGridInScratch, RemovesItsFolder) {
 
 TEST_F(TiledGridInScratch, NamesAFolderThatCannotBeMade) {
   const fs::path below_a_file = folder_.Write("file", "text") / "scratch";
-  EXPECT_THAT(MessageOf<DataError>([&] { TiledGrid(kVoxelM, below_a_file); }),
+  EXPECT_THAT(MessageOf<DataError>([&] { TiledGrid(kVoxelM, kTileM, below_a_file, kPlenty); }),
               testing::HasSubstr(below_a_file.string()));
 }
 
 TEST_F(TiledGridInScratch, NamesAFileThatCannotBeWritten) {
-  TiledGrid grid(kVoxelM, scratch_, 0);
+  TiledGrid grid(kVoxelM, kTileM, scratch_, 0);
   grid.Add(SampleInTile(0, 0));
   fs::remove_all(scratch_);
   EXPECT_THAT(MessageOf<DataError>([&] { grid.SetAside(); }),
@@ -181,18 +189,18 @@ TEST_F(TiledGridInScratch, NamesAFileThatCannotBeWritten) {
 }
 
 TEST_F(TiledGridInScratch, NamesAFileThatIsGone) {
-  TiledGrid grid(kVoxelM, scratch_, 0);
+  TiledGrid grid(kVoxelM, kTileM, scratch_, 0);
   grid.Add(SampleInTile(0, 0));
   grid.SetAside();
   const fs::path file = fs::directory_iterator(scratch_)->path();
   fs::remove(file);
-  const auto drain = [&] { grid.Drain(1, 1.0, [](std::span<const SurfacePoint>) {}); };
-  EXPECT_THAT(MessageOf<DataError>(drain), testing::HasSubstr(file.string()));
+  const auto take = [&] { grid.Take(grid.Tiles().front(), 1, 1.0); };
+  EXPECT_THAT(MessageOf<DataError>(take), testing::HasSubstr(file.string()));
 }
 
 TEST_F(TiledGridInScratch, NamesAFileThatWasCut) {
   for (const double share : {0.0, 0.3, 0.5, 0.99}) {
-    TiledGrid grid(kVoxelM, scratch_, 0);
+    TiledGrid grid(kVoxelM, kTileM, scratch_, 0);
     for (int i = 0; i < 100; ++i) {
       SurfaceSample sample = SampleInTile(0, 0);
       sample.x_in_world.z() = i * kVoxelM;
@@ -209,7 +217,7 @@ TEST_F(TiledGridInScratch, NamesAFileThatWasCut) {
 }
 
 TEST_F(TiledGridInScratch, RefusesPointsOutsideTheWorld) {
-  TiledGrid grid(kVoxelM, scratch_);
+  TiledGrid grid(kVoxelM, kTileM, scratch_, kPlenty);
   SurfaceSample sample = SampleInTile(0, 0);
   for (const double x_m : {20000.0, -1e300, HUGE_VAL, std::nan("")}) {
     sample.x_in_world.x() = x_m;

@@ -107,6 +107,17 @@ TEST(UsableMask, KeepsATexturedBrightHillside) {
             0.999);
 }
 
+TEST(UsableMask, LeavesOutBlackAreasButNoSpecks) {
+  cv::Mat grey = Scene(110, 110);
+  const cv::Rect wall(40, 80, 60, 50), speck(150, 100, 8, 8);
+  grey(wall) = 1;
+  grey(speck) = 0;
+  const cv::Mat mask = UsableMask(grey, Everything(), {});
+  EXPECT_EQ(UsableShare(mask, wall), 0.0);
+  EXPECT_EQ(cv::countNonZero(mask), kWidth * kHeight - wall.area());
+  EXPECT_EQ(cv::countNonZero(UsableMask(grey, Everything(), {.black_level = 0})), kWidth * kHeight);
+}
+
 TEST(UsableMask, CanLeaveTheSkyAlone) {
   MaskOptions options;
   options.sky = false;

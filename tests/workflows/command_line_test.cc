@@ -48,7 +48,7 @@ TEST_F(CommandLine, HelpAndVersionGoToStandardOutput) {
   EXPECT_EQ(help.exit_code, 0);
   EXPECT_EQ(help.err, "");
   for (const char* text : {"--dataset", "--until", "--from", "--set", "--truth", "--force",
-                           "rigmap options", "voxel_m=0.01"}) {
+                           "rigmap options", "voxel_m=0"}) {
     EXPECT_THAT(help.out, HasSubstr(text));
   }
   EXPECT_THAT(RunRigmap({"--version"}).out,

@@ -77,6 +77,20 @@ class ContinuedPart : public testing::Test {
     return bytes;
   }
 
+  // Names of what is published now and was not before, or the other way round, or has other bytes.
+  Arguments DifferentFrom(const std::map<std::string, std::string>& before) const {
+    const auto now = Published();
+    Arguments names;
+    for (const auto& [name, bytes] : now) {
+      const auto old = before.find(name);
+      if (old == before.end() || old->second != bytes) names.push_back(name);
+    }
+    for (const auto& [name, bytes] : before) {
+      if (!now.contains(name)) names.push_back(name);
+    }
+    return names;
+  }
+
   static TemporaryFolder* made_;
   static fs::path data_;
   TemporaryFolder folder_;
@@ -93,9 +107,9 @@ TEST_F(ContinuedPart, MovedWithItsDataIsDoneAlready) {
   const ProgramEnd end = Run(RIGMAP_PROGRAM, out_, data);
   ASSERT_EQ(end.exit_code, 0) << end.err;
   EXPECT_THAT(Made(), IsEmpty());
-  EXPECT_EQ(Published(), before);
+  EXPECT_THAT(DifferentFrom(before), IsEmpty());
   const json summary = Summary();
-  EXPECT_EQ(summary["stages"].size(), 13U);
+  EXPECT_EQ(summary["stages"].size(), 14U);
   EXPECT_EQ(summary["gates"].size(), 19U);
   // Links lead to where the images are now.
   for (const auto& link : fs::directory_iterator(out_ / "colmap" / "images" / "left")) {
@@ -108,7 +122,7 @@ TEST_F(ContinuedPart, WithAnotherAlgorithmIsDoneAnewFromThatStageOn) {
   ASSERT_EQ(Run(RIGMAP_OTHER_PROGRAM, out_, data_).exit_code, 0);
   EXPECT_THAT(Made(), ElementsAre("fusion", "raster", "views", "evaluation"));
   // Only the identity differs: the algorithm is the same.
-  EXPECT_EQ(Published(), before);
+  EXPECT_THAT(DifferentFrom(before), IsEmpty());
 }
 
 TEST_F(ContinuedPart, WithAnotherPictureSizeMakesPicturesOnly) {
@@ -149,9 +163,9 @@ TEST_F(ContinuedPart, SaysInEveryFileThatItIsNotTrustedAsLongAsItIsNot) {
   // What is removed comes back with it, and all of it goes with the reason.
   fs::remove(out_ / "trajectory.tum");
   ASSERT_EQ(Continue({"--set", "gates.epipolar_px=0.000001"}).exit_code, 3);
-  EXPECT_EQ(Published(), untrusted);
+  EXPECT_THAT(DifferentFrom(untrusted), IsEmpty());
   ASSERT_EQ(Continue({}).exit_code, 0);
-  EXPECT_EQ(Published(), trusted);
+  EXPECT_THAT(DifferentFrom(trusted), IsEmpty());
 }
 
 TEST_F(ContinuedPart, AskedToBeBetterThanItIsMakesNothingElseAnewAndSaysSo) {
@@ -176,7 +190,7 @@ TEST_F(ContinuedPart, OfOtherFramesIsRefusedAndNothingIsLost) {
   const ProgramEnd end = Continue({"--frames", "0:6", "--until", "odometry"});
   EXPECT_EQ(end.exit_code, 1);
   EXPECT_THAT(end.LastErrorLine(), HasSubstr("other frames"));
-  EXPECT_EQ(Published(), before);
+  EXPECT_THAT(DifferentFrom(before), IsEmpty());
   EXPECT_EQ(ReadTextFile(out_ / "summary.json"), summary);
 }
 
@@ -186,8 +200,8 @@ TEST_F(ContinuedPart, AskedForLessKeepsWhatHoldsAndSaysSo) {
   const ProgramEnd end = Continue({"--set", "gates.epipolar_px=0.000001", "--until", "odometry"});
   EXPECT_EQ(end.exit_code, 3) << end.err;  // what lies there is untrusted still
   EXPECT_EQ(Summary()["status"], "untrusted");
-  EXPECT_EQ(Summary()["stages"].size(), 13U);
-  EXPECT_EQ(Published(), before);
+  EXPECT_EQ(Summary()["stages"].size(), 14U);
+  EXPECT_THAT(DifferentFrom(before), IsEmpty());
 }
 
 TEST_F(ContinuedPart, AskedForLessWithAnotherOptionNamesWhatItRemoves) {
@@ -250,7 +264,7 @@ TEST_F(ContinuedPart, GoesBackToEarlierOptionsOfSingleFrames) {
     const ProgramEnd back = Continue();
     ASSERT_EQ(back.exit_code, 0) << back.err;
     EXPECT_THAT(Made(), Not(testing::Contains(testing::AnyOf("features", "dense")))) << option;
-    EXPECT_EQ(Published(), before) << option;
+    EXPECT_THAT(DifferentFrom(before), IsEmpty()) << option;
   }
   fs::remove_all(out_ / "stages" / "dense");
   ASSERT_EQ(Continue().exit_code, 0);
@@ -274,7 +288,7 @@ TEST_F(ContinuedPart, MadeTwiceAtATimeInOneProcessIsTheSame) {
   const auto expected = Published();
   for (const char* name : {"a", "b"}) {
     out_ = folder_.Path() / name;
-    EXPECT_EQ(Published(), expected) << name;
+    EXPECT_TRUE(Published() == expected) << name;
     EXPECT_EQ(Summary()["gates"].size(), 19U);
   }
 }

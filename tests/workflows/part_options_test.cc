@@ -130,8 +130,8 @@ TEST_F(PartOptionsFile, NamesFileAndLineOfWhatIsNotAllowed) {
   EXPECT_EQ(MessageOf<UsageError>([&] { Load("dense:\n  method: magic\n"); }),
             (folder_.Path() / "my.yaml").string() +
                 ":2: option method: expected sgm or bm, found 'magic'");
-  EXPECT_THAT(MessageOf<UsageError>([&] { Load("fusion: {voxel_m: 0}\n"); }),
-              HasSubstr("my.yaml:1: option voxel_m: expected 0.0001 to 1000, found 0"));
+  EXPECT_THAT(MessageOf<UsageError>([&] { Load("fusion: {voxel_m: -1}\n"); }),
+              HasSubstr("my.yaml:1: option voxel_m: expected 0 to 1000, found -1"));
 }
 
 TEST(PartOptionsFileThatIsMissing, IsADataError) {

@@ -35,8 +35,9 @@ const std::map<std::string, Names> kReaders{
     {"scale", {"mapping"}},
     {"adjustment", {"adjustment"}},
     {"dense", {"dense"}},
+    {"dense.depth_maps", {"depth_maps"}},
     {"fusion", {"fusion"}},
-    {"fusion.voxel_m", {"dense", "fusion", "raster", "views"}},
+    {"fusion.voxel_m", {"dense"}},
     {"raster.max_hole_cells", {"raster"}},
     {"raster.picture_px", {"views"}},
     {"evaluation", {"evaluation"}},
@@ -128,15 +129,15 @@ TEST(RigRecipe, StagesDependOnWhatTheyTakeAndNoMore) {
   EXPECT_THAT(
       StageNames(Technique::kRig),
       ElementsAre("dataset", "features", "odometry", "matching", "database", "mapping", "scale",
-                  "adjustment", "dense", "fusion", "raster", "views", "evaluation"));
+                  "adjustment", "dense", "depth_maps", "fusion", "raster", "views", "evaluation"));
   EXPECT_THAT(DescendantsOf(graph, "views"), ElementsAre("views"));
   EXPECT_THAT(DescendantsOf(graph, "raster"), ElementsAre("raster"));
   EXPECT_THAT(DescendantsOf(graph, "truth"), ElementsAre("truth", "evaluation"));
   EXPECT_THAT(DescendantsOf(graph, "fusion"),
               ElementsAre("fusion", "raster", "views", "evaluation"));
   EXPECT_THAT(DescendantsOf(graph, "scale"),
-              ElementsAre("scale", "adjustment", "gates", "dense", "depth_gates", "fusion",
-                          "raster", "views", "evaluation"));
+              ElementsAre("scale", "adjustment", "gates", "dense", "depth_maps", "depth_gates",
+                          "fusion", "raster", "views", "evaluation"));
 }
 
 // To make the tables anew: rigmap stages --technique rig, and vo.
@@ -163,8 +164,8 @@ TEST(VisualOdometryRecipe, SharesItsFirstStagesWithTheRigRecipe) {
     EXPECT_EQ(a.inputs, b.inputs) << name;
   }
   EXPECT_THAT(StageNames(Technique::kVisualOdometry),
-              ElementsAre("dataset", "features", "odometry", "trajectory", "dense", "fusion",
-                          "raster", "views", "evaluation"));
+              ElementsAre("dataset", "features", "odometry", "trajectory", "dense", "depth_maps",
+                          "fusion", "raster", "views", "evaluation"));
 }
 
 TEST(KnownOutputsTest, AreThoseOfAllTechniquesOnce) {

@@ -1,15 +1,20 @@
 #include "workflows/stages/dense.h"
 
+#include <fmt/format.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "core/artefact.h"
+#include "core/error.h"
 #include "core/freed_memory.h"
 #include "core/job.h"
+#include "core/memory_peak.h"
 #include "core/progress.h"
 #include "core/statistics.h"
 #include "pipeline/code_identity.h"
+#include "scene/seen_depths.h"
 
 namespace rigmap {
 namespace {
@@ -49,12 +54,16 @@ std::vector<int> DenseFrames(const Trajectory& trajectory, const FeatureIndex& f
   return frames;
 }
 
-// How many frames may be dense-matched at once (DenseMatcher states what each needs).
-int DenseThreads(const StereoRig& rig, const DenseOptions& options, const StageContext& context) {
-  const Camera& camera = rig.left.camera;
-  const double disparities = camera.MeanFocal() * rig.Baseline() / options.min_depth_m;
-  const double frame_mb = 4e-6 * camera.width * camera.height * disparities;
-  return std::clamp(static_cast<int>(context.memory_mb / std::max(frame_mb, 1.0)), 1,
+// How many frames may be dense-matched at once within what --memory allows the whole process.
+int DenseThreads(const DenseMatcher& matcher, const StageContext& context) {
+  const double present_mb = ResidentMegabytes(), frame_mb = matcher.MegabytesPerFrame();
+  if (present_mb + frame_mb > context.memory_mb) {
+    throw UsageError(fmt::format(
+        "--memory: expected at least {:.0f} MB, for images as large as these, found {}; "
+        "dense.min_depth_m, if more than {:.2g} m, needs less",
+        std::ceil(present_mb + frame_mb), context.memory_mb, matcher.nearest_m()));
+  }
+  return std::clamp(static_cast<int>((context.memory_mb - present_mb) / frame_mb), 1,
                     context.threads);
 }
 
@@ -62,21 +71,25 @@ DepthIndex MakeDepths(const StageContext& context, const Dataset& dataset,
                       const DatasetContent& content, const FeatureIndex& features,
                       const PosedPart& part, const DenseOptions& options, const MaskOptions& masks,
                       const VoxelOptions& voxel) {
+  const SeenDepths seen = DepthsSeen(part.rig, part.points_in_left);
+  const double nearest_m = options.min_depth_m > 0.0 ? options.min_depth_m : seen.nearest_m;
   DepthIndex index;
-  index.frames = DenseFrames(part.trajectory, features, voxel.voxel_m);
+  index.voxel_m = voxel.voxel_m > 0.0 ? voxel.voxel_m : VoxelFor(part.rig, seen);
+  index.frames = DenseFrames(part.trajectory, features, index.voxel_m);
   const Camera& camera = part.rig.left.camera;
   const RigFixedCells& fixed = features.rig_fixed;
-  const DenseMatcher matcher(part.rig, options, masks, fixed.Mask(camera.width, camera.height));
+  const DenseMatcher matcher(part.rig, nearest_m, options, masks,
+                             fixed.Mask(camera.width, camera.height));
   const std::string how = std::string(CodeHere()) + content.rig + DescribeRig(part.rig) +
                           std::string(fixed.fixed.begin(), fixed.fixed.end()) +
-                          OptionsText(options) + OptionsText(masks);
+                          OptionsText(options) + OptionsText(masks) + std::to_string(nearest_m);
   for (const int frame : index.frames) {
     index.files.push_back(FrameFileOf("dense", dataset.frames[frame].stamp_ns,
                                       HashText(how + content.frames[frame])));
   }
   std::vector<std::optional<double>> biases(index.frames.size());
   Progress progress("dense", index.frames.size());
-  Job::Current()->RunWithThreads(DenseThreads(dataset.rig, options, context), [&] {
+  Job::Current()->RunWithThreads(DenseThreads(matcher, context), [&] {
     tbb::parallel_for(std::size_t{0}, index.frames.size(), [&](std::size_t i) {
       const int frame = index.frames[i];
       const FrameFile& file = index.files[i];

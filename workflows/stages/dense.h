@@ -19,10 +19,11 @@ struct DepthIndex {
   std::vector<int> frames;
   std::vector<FrameFile> files;  // of each frame's depth map
   std::optional<double> bias_px;
+  double voxel_m = 0.0;  // of the map to be made of them
 
   template <class Archive>
   void serialize(Archive& archive) {
-    archive(frames, files, bias_px);
+    archive(frames, files, bias_px, voxel_m);
   }
 };
 

@@ -13,7 +13,7 @@ namespace rigmap {
 namespace {
 
 FusedMap MakeMap(const StageContext& context, const Dataset&, const PosedPart& part,
-                 const DepthIndex& depths, const FusionOptions& asked, const VoxelOptions& voxel) {
+                 const DepthIndex& depths, const FusionOptions& asked) {
   std::vector<PosedDepth> posed;
   for (std::size_t i = 0; i < depths.frames.size(); ++i) {
     const int frame = depths.frames[i];
@@ -24,11 +24,12 @@ FusedMap MakeMap(const StageContext& context, const Dataset&, const PosedPart& p
   FusionOptions options = asked;
   options.min_views = std::min(options.min_views, std::max(1, static_cast<int>(posed.size())));
   FusedMap fused;
+  fused.voxel_m = depths.voxel_m;
   context.publication->File("dense.ply", [&](std::ostream& stream) {
     PlyWriter writer(stream);
     const auto take = [&](std::span<const SurfacePoint> points) { writer.Write(points); };
     for (const std::size_t i :
-         FuseDepthMaps(posed, voxel, options, {context.scratch / "tiles", take})) {
+         FuseDepthMaps(posed, depths.voxel_m, options, {context.scratch / "tiles", take})) {
       fused.frames_left_out.push_back(depths.frames[i]);
     }
     writer.Finish();

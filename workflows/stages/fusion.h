@@ -14,16 +14,16 @@ namespace rigmap {
 // What is kept of the map beside the map itself.
 struct FusedMap {
   std::uint64_t points = 0;
+  double voxel_m = 0.0;  // of the finest
   std::vector<int> frames_left_out;
 
   template <class Archive>
   void serialize(Archive& archive) {
-    archive(points, frames_left_out);
+    archive(points, voxel_m, frames_left_out);
   }
 };
 
-using FusionStage =
-    Stage<FusedMap, Takes<Dataset, PosedPart, DepthIndex>, Reads<FusionOptions, VoxelOptions>>;
+using FusionStage = Stage<FusedMap, Takes<Dataset, PosedPart, DepthIndex>, Reads<FusionOptions>>;
 FusionStage Fusion();
 
 }  // namespace rigmap

@@ -7,10 +7,10 @@ namespace rigmap {
 namespace {
 
 Published MakeRasters(const StageContext& context, const FusedMap& map, const Warning& warning,
-                      const RasterOptions& options, const VoxelOptions& voxel) {
+                      const RasterOptions& options) {
   if (map.points == 0) return {};
   for (const char* name : {"height.tif", "ortho.tif"}) context.publication->Path(name);
-  WriteSurfaceRasters({context.root / "dense.ply", voxel.voxel_m, warning.text}, context.root,
+  WriteSurfaceRasters({context.root / "dense.ply", map.voxel_m, warning.text}, context.root,
                       options);
   return {};
 }

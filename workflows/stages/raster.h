@@ -2,19 +2,13 @@
 #pragma once
 
 #include "raster/raster_options.h"
-#include "scene/voxel_options.h"
 #include "workflows/stages/fusion.h"
 #include "workflows/stages/gates.h"
+#include "workflows/stages/published.h"
 
 namespace rigmap {
 
-// Nothing but what it published.
-struct Published {
-  template <class Archive>
-  void serialize(Archive&) {}
-};
-
-using RasterStage = Stage<Published, Takes<FusedMap, Warning>, Reads<RasterOptions, VoxelOptions>>;
+using RasterStage = Stage<Published, Takes<FusedMap, Warning>, Reads<RasterOptions>>;
 RasterStage Rasters();
 
 }  // namespace rigmap

@@ -5,8 +5,7 @@
 
 namespace rigmap {
 
-using ViewsStage =
-    Stage<Published, Takes<PosedPart, FusedMap, Warning>, Reads<PictureOptions, VoxelOptions>>;
+using ViewsStage = Stage<Published, Takes<PosedPart, FusedMap, Warning>, Reads<PictureOptions>>;
 ViewsStage Pictures();
 
 }  // namespace rigmap

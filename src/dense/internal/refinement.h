@@ -19,8 +19,10 @@ struct RefinedDisparity {
 // the texture is hardly above the noise the step is too short, and up to half of a bias stays.
 //
 // The sigma is that of the least squares, from gradients and residuals in the window, times
-// `refined_sigma_factor`, and at least `least_sigma_px`. Views CV_8UC1, disparities CV_32FC1 with 0
-// for unknown. Takes 40 bytes per pixel.
+// `refined_sigma_factor`, and at least `least_sigma_px`. Where the gradients do not stand out from
+// what noise alone would make of them nothing is known, and the disparity is 0: the matcher has
+// carried over what it found beside. Views CV_8UC1, disparities CV_32FC1 with 0 for unknown.
+// Takes 40 bytes per pixel.
 RefinedDisparity RefineDisparity(const cv::Mat& left, const cv::Mat& right,
                                  const cv::Mat& disparity, const DenseOptions& options);
 

@@ -34,6 +34,11 @@ class FrameAgreement {
 
  private:
   bool AgreesAsOthersDo(std::size_t frame);
+  // Lenses shade the edges of images, and who drives on sees the same ground ever nearer to the
+  // edge. What views before and after a frame differ by in opposite ways, in the median of the
+  // frames around, is that and not the exposure: by so much each view seems brighter than the
+  // one after it.
+  double LogShadingAround(std::size_t frame);
   // With its neighbours, of which half agree with it better; nothing where it shares no view.
   std::optional<double> ShareOf(std::size_t frame);
 

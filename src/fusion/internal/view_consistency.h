@@ -26,7 +26,8 @@ struct ComparedViews {
 //   see something clearly behind it) than half of those that agree;
 // - points that any view looks at from clearly nearer (better_view_share): if it agrees, it gives
 //   them itself; if it sees through them, it knows better;
-// - points seen too edge on (max_incidence_deg), or with too few others around to tell.
+// - points seen too edge on (max_incidence_deg) where no surface goes on around them;
+// - points known less well than max_sigma_pct of their distance.
 // Ordered by row and column. Uses all threads; the result does not depend on their number.
 std::vector<SurfaceSample> ConfirmedSamples(const DepthView& reference,
                                             const ComparedViews& compared,
@@ -34,8 +35,9 @@ std::vector<SurfaceSample> ConfirmedSamples(const DepthView& reference,
 
 // How two views go together, by every eighth column and row of the first.
 struct ViewAgreement {
-  double share = 0.0;       // of the pixels known in both, on which they agree
-  double brightness = 1.0;  // median of the second's grey value over the first's, where they agree
+  double share = 0.0;  // of the pixels known in both, on which they agree
+  // Median of the second's grey value over the first's, where they agree and neither is dark.
+  double brightness = 1.0;
 };
 
 // Nothing with fewer than kMinSharedPixels known in both.

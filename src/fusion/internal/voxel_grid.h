@@ -18,6 +18,7 @@ struct SurfaceSample {
   std::array<std::uint8_t, 3> rgb{};
   float sigma_m = 0.0F;  // > 0
   int observations = 1;  // depth pixels it was made from
+  float pixel_m = 0.0F;  // what a pixel covers of the surface
 };
 
 // Cubes are hashed; 64 bytes per touched cube. The world reaches 2^20 cubes from the origin in each

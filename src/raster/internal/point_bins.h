@@ -31,8 +31,8 @@ class PointBins {
   // points the tile holds too.
   PointBins(const CellFrame& frame, int margin, const std::filesystem::path& scratch);
 
-  // The point must lie in the frame. Up to 32 MB wait in memory before they go to the file. Throws
-  // DataError when it cannot be written.
+  // In all cells that the point stands for, around its own. It must lie in the frame. Up to 32 MB
+  // wait in memory before they go to the file. Throws DataError when it cannot be written.
   void Add(const SurfacePoint& point);
   void Flush();  // to be called after the last Add
 
@@ -51,7 +51,7 @@ class PointBins {
   };
 
   std::size_t TileIndex(int tile_column, int tile_row) const;
-  void AddToTile(const SurfacePoint& point, int tile_column, int tile_row);
+  void AddAt(const SurfacePoint& point, int column, int row);
 
   CellFrame frame_;
   int margin_;

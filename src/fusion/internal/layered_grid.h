@@ -1,0 +1,60 @@
+// Voxels as large as what is known of the points in them.
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <memory>
+#include <span>
+
+#include "fusion/fusion_options.h"
+#include "fusion/internal/tiled_grid.h"
+
+namespace rigmap {
+
+// The finest layer has cubes of `voxel_m` for level ground, and finer ones for what is steeper than
+// 45 degrees. Points that are not known to kFineSigmas of these cubes, or of which a pixel covers
+// kFinePixels of them, go into a layer whose cubes are two to the n times as large: no smaller than
+// the point's sigma, nor than what a pixel covers.
+// Coarse points where finer ones are seen are left out: those in a cube in or beside which a finer
+// layer has a point. Not thread-safe.
+class LayeredGrid {
+ public:
+  static constexpr double kFineSigmas = 3.0;
+  static constexpr double kFinePixels = 2.0;
+  static constexpr int kLayers = 8;
+
+  // Files go into `scratch`, which is made, and removed in the end. Up to `most_voxels` stay in
+  // memory between two calls of Add.
+  LayeredGrid(double voxel_m, double steep_voxel_share, std::filesystem::path scratch,
+              std::size_t most_voxels);
+  ~LayeredGrid();
+  LayeredGrid(const LayeredGrid&) = delete;
+  LayeredGrid& operator=(const LayeredGrid&) = delete;
+
+  // As VoxelGrid::Add. Throws DataError also when files cannot be written or read.
+  void Add(std::span<const SurfaceSample> samples);
+
+  // The points with as many observations as the options ask for, by tile and layer. Empties the
+  // grid.
+  void Drain(const FusionOptions& options,
+             const std::function<void(std::span<const SurfacePoint>)>& take);
+
+  // The layer for a sample.
+  static int LayerOf(const SurfaceSample& sample, double voxel_m);
+
+ private:
+  class Cover;
+
+  TiledGrid& Layer(int layer);
+  PointCloud Take(int layer, const TileIndex& tile, const FusionOptions& options);
+
+  double voxel_m_, steep_voxel_share_;
+  std::filesystem::path scratch_;
+  std::size_t most_voxels_;
+  TiledGrid steep_;
+  std::map<int, TiledGrid> layers_;  // the finest is layer 0
+};
+
+}  // namespace rigmap

@@ -1,0 +1,15 @@
+#include "imaging/depth_map_options.h"
+
+namespace rigmap {
+
+OptionFields DepthMapOptions::Fields() {
+  return {
+      {"depth_maps",
+       &depth_maps,
+       "",
+       {},
+       "Write the depth of each keyframe and its sigma as images, too (--depth-maps)."},
+  };
+}
+
+}  // namespace rigmap
