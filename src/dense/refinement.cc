@@ -7,9 +7,7 @@
 namespace rigmap {
 namespace {
 
-constexpr float kUnknown = -1e4F;     // no disparity is near it
-constexpr float kSameSurface = 1.0F;  // px
-constexpr float kMostStep = 0.5F;     // px; a matcher is not further off
+constexpr float kMostStep = 0.5F;  // px; a matcher is not further off
 constexpr float kLeastGradient2 = 1e-3F;
 constexpr float kRounding2 = 1.0F / 6.0F;  // of the difference of two grey values, each rounded
 // Central differences of a view that holds nothing but noise have half of its variance, and
@@ -61,42 +59,7 @@ Differences Compare(const cv::Mat& left, const cv::Mat& right, const cv::Mat& di
   return found;
 }
 
-// Adds the pair of opposite neighbours at (dx, dy) to the sums of a row.
-void AddPair(const float* middle, const float* one, const float* other, int count, float* sum,
-             float* weight) {
-  for (int i = 0; i < count; ++i) {
-    const bool same = (std::abs(one[i] - middle[i]) < kSameSurface) &
-                      (std::abs(other[i] - middle[i]) < kSameSurface);
-    sum[i] += same ? one[i] + other[i] : 0.0F;
-    weight[i] += same ? 2.0F : 0.0F;
-  }
-}
-
 }  // namespace
-
-cv::Mat SmoothDisparity(const cv::Mat& disparity, int radius_px) {
-  cv::Mat known_only = disparity.clone(), padded, smooth(disparity.size(), CV_32F);
-  known_only.setTo(kUnknown, disparity <= 0.0F);
-  cv::copyMakeBorder(known_only, padded, radius_px, radius_px, radius_px, radius_px,
-                     cv::BORDER_CONSTANT, cv::Scalar(kUnknown));
-  cv::Mat weight(1, disparity.cols, CV_32F);
-  for (int row = 0; row < disparity.rows; ++row) {
-    const auto at = [&](int dx, int dy) {
-      return padded.ptr<float>(row + radius_px + dy) + radius_px + dx;
-    };
-    auto *sum = smooth.ptr<float>(row), *weights = weight.ptr<float>();
-    std::copy_n(at(0, 0), disparity.cols, sum);
-    weight.setTo(1.0F);
-    for (int dy = 0; dy <= radius_px; ++dy) {
-      for (int dx = dy == 0 ? 1 : -radius_px; dx <= radius_px; ++dx) {
-        AddPair(at(0, 0), at(dx, dy), at(-dx, -dy), disparity.cols, sum, weights);
-      }
-    }
-    for (int i = 0; i < disparity.cols; ++i) sum[i] /= weights[i];
-  }
-  smooth.setTo(0.0F, disparity <= 0.0F);
-  return smooth;
-}
 
 RefinedDisparity RefineDisparity(const cv::Mat& left, const cv::Mat& right,
                                  const cv::Mat& disparity, const DenseOptions& options) {

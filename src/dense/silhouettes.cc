@@ -9,11 +9,11 @@
 namespace rigmap {
 namespace {
 
-constexpr double kStepPx = 1.5;    // a matcher is not further off on one surface
-constexpr double kErrorPx = 0.1;   // of a refined disparity
+constexpr double kStepPx = 1.5;   // a matcher is not further off on one surface
+constexpr double kErrorPx = 0.1;  // of a refined disparity
 constexpr int kWindow = 3;
-// A mean over n squares has the relative sigma sqrt(2 / n). Of nine pixels a resampled view tells as
-// much as of six.
+// A mean over n squares has the relative sigma sqrt(2 / n). Of nine pixels a resampled view tells
+// as much as of six.
 const double kMost = 1.0 + std::sqrt(2.0 / 6.0);
 constexpr double kTwice = 2.0;
 

@@ -1,16 +1,58 @@
 #include "fusion/internal/disparity_normal.h"
 
 #include <cmath>
+#include <optional>
 #include <vector>
 
 #include "geometry/plane_fit.h"
 
 namespace rigmap {
+namespace {
 
-Eigen::Vector3d NormalInRectified(const DepthMap& map, int row, int column) {
-  constexpr int kReach = 4;
-  constexpr int kStride = 2;
-  constexpr float kSameSurfacePx = 1.5F;
+constexpr int kReach = 4;
+constexpr int kStride = 2;
+constexpr float kSameSurfacePx = 1.5F;
+
+bool IsInside(const DepthMap& map, int row, int column) {
+  return row >= kReach && column >= kReach && row + kReach < map.disparity.rows &&
+         column + kReach < map.disparity.cols;
+}
+
+// disparity = plane . (dx, dy, 1): x_slope per pixel, y_slope per pixel, value in the middle.
+Eigen::Vector3d NormalOf(const DepthMap& map, int row, int column, const Eigen::Vector3d& plane) {
+  if (!plane.allFinite()) return Eigen::Vector3d::Zero();
+  const Camera& camera = map.camera;
+  const double at_principal_point =
+      plane.z() + plane.x() * (camera.cx - column) + plane.y() * (camera.cy - row);
+  return -Eigen::Vector3d(plane.x() * camera.fx, plane.y() * camera.fy, at_principal_point)
+              .normalized();
+}
+
+// Where all of the window belongs to one surface, as it mostly does: the normal equations are
+// diagonal. Nothing where it does not.
+std::optional<Eigen::Vector3d> FullWindowPlane(const DepthMap& map, int row, int column) {
+  constexpr int kSide = 2 * kReach / kStride + 1;
+  constexpr double kSquares = 2.0 * (2 * 2 + 4 * 4) * kSide;  // sum of dx^2
+  static_assert(kReach == 4 && kStride == 2);
+  const float middle = map.disparity.at<float>(row, column);
+  float sum = 0.0F, x_sum = 0.0F, y_sum = 0.0F;
+  bool is_full = true;
+  for (int dy = -kReach; dy <= kReach; dy += kStride) {
+    const float* line = map.disparity.ptr<float>(row + dy) + column;
+    for (int dx = -kReach; dx <= kReach; dx += kStride) {
+      const float off = line[dx] - middle;
+      is_full &= (line[dx] > 0.0F) & (std::abs(off) <= kSameSurfacePx);
+      sum += off;
+      x_sum += static_cast<float>(dx) * off;
+      y_sum += static_cast<float>(dy) * off;
+    }
+  }
+  if (!is_full) return std::nullopt;
+  return Eigen::Vector3d(x_sum / kSquares, y_sum / kSquares,
+                         static_cast<double>(middle) + sum / (kSide * kSide));
+}
+
+Eigen::Vector3d NormalOfKnown(const DepthMap& map, int row, int column) {
   const float middle = map.disparity.at<float>(row, column);
   PlaneFit fit;
   int count = 0;
@@ -28,25 +70,26 @@ Eigen::Vector3d NormalInRectified(const DepthMap& map, int row, int column) {
     }
   }
   if (count < kMinNormalPixels) return Eigen::Vector3d::Zero();
-  // disparity = plane . (dx, dy, 1): x_slope per pixel, y_slope per pixel, value in the middle.
-  const Eigen::Vector3d plane = fit.Solve();
-  if (!plane.allFinite()) return Eigen::Vector3d::Zero();
-  const Camera& camera = map.camera;
-  const double at_principal_point =
-      plane.z() + plane.x() * (camera.cx - column) + plane.y() * (camera.cy - row);
-  return -Eigen::Vector3d(plane.x() * camera.fx, plane.y() * camera.fy, at_principal_point)
-              .normalized();
+  return NormalOf(map, row, column, fit.Solve());
+}
+
+}  // namespace
+
+Eigen::Vector3d NormalInRectified(const DepthMap& map, int row, int column) {
+  const std::optional<Eigen::Vector3d> plane =
+      IsInside(map, row, column) ? FullWindowPlane(map, row, column) : std::nullopt;
+  return plane ? NormalOf(map, row, column, *plane) : NormalOfKnown(map, row, column);
 }
 
 bool LiesOnPlane(const DepthMap& map, int row, int column) {
-  constexpr int kReach = 12, kStride = 4;
+  constexpr int kWideReach = 12, kWideStride = 4;
   constexpr double kMostOff = 0.3;     // px, root mean square
   constexpr double kLeastKnown = 0.8;  // of the pixels asked
   PlaneFit fit;
   std::vector<Eigen::Vector3d> known;
   int asked = 0;
-  for (int dy = -kReach; dy <= kReach; dy += kStride) {
-    for (int dx = -kReach; dx <= kReach; dx += kStride) {
+  for (int dy = -kWideReach; dy <= kWideReach; dy += kWideStride) {
+    for (int dx = -kWideReach; dx <= kWideReach; dx += kWideStride) {
       const int y = row + dy, x = column + dx;
       if (y < 0 || y >= map.disparity.rows || x < 0 || x >= map.disparity.cols) continue;
       ++asked;

@@ -102,6 +102,8 @@ int LayeredGrid::LayerOf(const SurfaceSample& sample, double voxel_m) {
 }
 
 TiledGrid& LayeredGrid::Layer(int layer) {
+  const auto known = layers_.find(layer);
+  if (known != layers_.end()) return known->second;
   const std::size_t most = most_voxels_ / (layer == 0 ? 3 : 6 * (kLayers - 1));
   return layers_
       .try_emplace(layer, std::ldexp(voxel_m_, layer), kTileVoxels * voxel_m_,

@@ -4,12 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <opencv2/imgcodecs.hpp>
 #include <vector>
 
 #include "core/artefact.h"
 #include "core/error.h"
 #include "geometry/serialize.h"
+#include "imaging/internal/packed_image.h"
 
 namespace rigmap {
 namespace {
@@ -22,20 +22,14 @@ struct StoredDepth {
   Camera camera;
   Rigid3 left_from_rectified;
   double baseline_m = 0.0, steps_per_px = 0.0;
-  std::vector<uchar> disparity_png, sigma_png, colour_png;
+  std::vector<std::uint8_t> disparity, sigma, colour;  // packed
 
   template <class Archive>
   void serialize(Archive& archive) {
-    archive(stamp_ns, camera, left_from_rectified, baseline_m, steps_per_px, disparity_png,
-            sigma_png, colour_png);
+    archive(stamp_ns, camera, left_from_rectified, baseline_m, steps_per_px, disparity, sigma,
+            colour);
   }
 };
-
-std::vector<uchar> EncodePng(const cv::Mat& image) {
-  std::vector<uchar> png;
-  cv::imencode(".png", image, png, {cv::IMWRITE_PNG_COMPRESSION, 1});
-  return png;
-}
 
 // So many that the largest disparity fits into 16 bits.
 double StepsPerPixel(const cv::Mat& disparity) {
@@ -78,9 +72,8 @@ void SaveDepth(const std::filesystem::path& path, const std::string& key, const 
   sigma_steps = cv::max(sigma_steps, 1);
   sigma_steps.setTo(0, unknown);
   colour.setTo(cv::Scalar::all(0), unknown);
-  const StoredDepth stored{map.stamp_ns,           map.camera,       map.left_from_rectified,
-                           map.baseline_m,         steps_per_px,     EncodePng(steps),
-                           EncodePng(sigma_steps), EncodePng(colour)};
+  const StoredDepth stored{map.stamp_ns, map.camera,  map.left_from_rectified, map.baseline_m,
+                           steps_per_px, Pack(steps), Pack(sigma_steps),       Pack(colour)};
   WriteArtefact(path, key, stored);
 }
 
@@ -94,9 +87,10 @@ std::optional<DepthMap> LoadDepth(const std::filesystem::path& path, const std::
                {},
                {},
                {}};
-  const cv::Mat steps = cv::imdecode(stored->disparity_png, cv::IMREAD_UNCHANGED);
-  const cv::Mat sigma_steps = cv::imdecode(stored->sigma_png, cv::IMREAD_UNCHANGED);
-  map.colour = cv::imdecode(stored->colour_png, cv::IMREAD_COLOR);
+  const cv::Size size(stored->camera.width, stored->camera.height);
+  const cv::Mat steps = Unpack(stored->disparity, size, CV_16UC1);
+  const cv::Mat sigma_steps = Unpack(stored->sigma, size, CV_8UC1);
+  map.colour = Unpack(stored->colour, size, CV_8UC3);
   if (steps.empty() || sigma_steps.empty() || map.colour.empty()) return std::nullopt;
   steps.convertTo(map.disparity, CV_32F, 1.0 / stored->steps_per_px);
   sigma_steps.convertTo(map.disparity_sigma, CV_32F, 1.0 / kStoredSigmaSteps);
