@@ -66,6 +66,12 @@ double DenseMatcher::MegabytesPerFrame() const {
   return 1e-6 * (kInputBytes * input_pixels + kOwnBytes * pixels + matching);
 }
 
+double DenseMatcher::MegabytesPerView() const {
+  constexpr double kBytes = 4.0 + 4.0 + 3.0;  // disparity, its sigma, colour
+  const Camera camera = rectifier_.RectifiedCamera();
+  return 1e-6 * kBytes * camera.width * camera.height;
+}
+
 double DenseMatcher::NearestPx() const {
   return rectifier_.RectifiedCamera().fx * rectifier_.BaselineM() / nearest_m_;
 }

@@ -26,6 +26,7 @@ class DenseMatcher {
   double nearest_m() const { return nearest_m_; }
   // At most what one call of Compute takes, its result included, megabytes.
   double MegabytesPerFrame() const;
+  double MegabytesPerView() const;  // of a depth map
 
  private:
   double NearestPx() const;  // disparity of what is nearest

@@ -26,9 +26,10 @@ void Brighten(double factor, std::vector<SurfaceSample>& samples) {
   }
 }
 
-// Of a sound frame, compared with those that are sound.
-std::vector<SurfaceSample> SamplesOf(std::size_t frame, const FusionOptions& options,
-                                     FrameAgreement& agreement, ViewCache& cache) {
+// Those of a sound frame, compared with those that are sound.
+void AddSamplesOf(std::size_t frame, const FusionOptions& options, FrameAgreement& agreement,
+                  ViewCache& cache, LayeredGrid& grid) {
+  constexpr int kBand = 256;  // rows; their samples are in memory at once
   FrameComparison compared = agreement.ComparisonOf(frame);
   const auto is_unsound = [&](std::size_t other) { return !agreement.IsSound(other); };
   std::erase_if(compared.near, is_unsound);
@@ -39,26 +40,29 @@ std::vector<SurfaceSample> SamplesOf(std::size_t frame, const FusionOptions& opt
   frames.insert(frames.end(), compared.ahead.begin(), compared.ahead.end());
   const auto views = cache.Get(frames);
   const auto first_ahead = views.begin() + 1 + static_cast<std::ptrdiff_t>(compared.near.size());
-  auto samples = ConfirmedSamples(
-      *views[0], {{views.begin() + 1, first_ahead}, {first_ahead, views.end()}}, options);
-  Brighten(brightness, samples);
-  return samples;
+  const ComparedViews others{{views.begin() + 1, first_ahead}, {first_ahead, views.end()}};
+  for (int row = 0; row < views[0]->map.disparity.rows; row += kBand) {
+    auto samples = ConfirmedSamples(*views[0], others, options, {row, row + kBand});
+    Brighten(brightness, samples);
+    grid.Add(samples);
+  }
 }
 
 }  // namespace
 
 std::vector<std::size_t> FuseDepthMaps(std::span<const PosedDepth> depths, double voxel_m,
-                                       const FusionOptions& options, const FusionTarget& target) {
+                                       const FusionOptions& options, const FusionTarget& target,
+                                       std::size_t cached_views) {
   RequireValid(options);
   const std::vector<Rigid3> world_from_left = PosesOf(depths);
-  ViewCache cache(depths, kCachedViews);
+  ViewCache cache(depths, cached_views);
   FrameAgreement agreement(world_from_left, options, cache);
   LayeredGrid grid(voxel_m, options.steep_voxel_share, target.scratch, kKeptVoxels);
   std::vector<std::size_t> left_out;
   Progress progress("fusion", depths.size());
   for (std::size_t frame = 0; frame < depths.size(); ++frame) {
     if (agreement.IsSound(frame)) {
-      grid.Add(SamplesOf(frame, options, agreement, cache));
+      AddSamplesOf(frame, options, agreement, cache, grid);
     } else {
       left_out.push_back(frame);
     }

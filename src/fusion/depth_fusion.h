@@ -34,12 +34,15 @@ struct FusionTarget {
 // of the pixels on which they agree with theirs: its pose or its depth is wrong. Colours are made
 // as bright as those of the frames before, where the same ground is seen.
 //
-// Holds kCachedViews depth maps (11 bytes a pixel) and kKeptVoxels voxels (160 MB), whatever the
-// number of frames. Throws DataError when a depth map is missing or `scratch` cannot be written,
-// UsageError for invalid options.
+// Holds `cached_views` depth maps (11 bytes a pixel), but at least those that one is compared with,
+// kKeptVoxels voxels and the samples of some rows (together kFusionMegabytes), whatever the number
+// of frames. With kCachedViews hardly one is read twice. Throws DataError when a depth map is
+// missing or `scratch` cannot be written, UsageError for invalid options.
 inline constexpr std::size_t kCachedViews = 40;
 inline constexpr std::size_t kKeptVoxels = 2'000'000;
+inline constexpr double kFusionMegabytes = 300.0;
 std::vector<std::size_t> FuseDepthMaps(std::span<const PosedDepth> depths, double voxel_m,
-                                       const FusionOptions& options, const FusionTarget& target);
+                                       const FusionOptions& options, const FusionTarget& target,
+                                       std::size_t cached_views = kCachedViews);
 
 }  // namespace rigmap

@@ -157,22 +157,23 @@ std::optional<SurfaceSample> SampleAt(const DepthView& reference, const Views& v
 
 std::vector<SurfaceSample> ConfirmedSamples(const DepthView& reference,
                                             const ComparedViews& compared,
-                                            const FusionOptions& options) {
+                                            const FusionOptions& options, const cv::Range& rows) {
   const double least_cosine = std::cos(options.max_incidence_deg * std::numbers::pi / 180.0);
   const Views views{Prepare(reference, compared.near), Prepare(reference, compared.ahead),
                     least_cosine};
-  std::vector<std::vector<SurfaceSample>> rows(
-      static_cast<std::size_t>(reference.map.disparity.rows));
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, rows.size()), [&](const auto& range) {
-    for (std::size_t row = range.begin(); row < range.end(); ++row) {
+  const cv::Range all(0, reference.map.disparity.rows);
+  const cv::Range asked = rows == cv::Range::all() ? all : rows & all;
+  std::vector<std::vector<SurfaceSample>> by_row(static_cast<std::size_t>(asked.size()));
+  tbb::parallel_for(tbb::blocked_range<int>(asked.start, asked.end), [&](const auto& range) {
+    for (int row = range.begin(); row < range.end(); ++row) {
       for (int column = 0; column < reference.map.disparity.cols; ++column) {
-        const auto sample = SampleAt(reference, views, {column, static_cast<int>(row)}, options);
-        if (sample) rows[row].push_back(*sample);
+        const auto sample = SampleAt(reference, views, {column, row}, options);
+        if (sample) by_row[row - asked.start].push_back(*sample);
       }
     }
   });
   std::vector<SurfaceSample> samples;
-  for (const auto& row : rows) samples.insert(samples.end(), row.begin(), row.end());
+  for (const auto& row : by_row) samples.insert(samples.end(), row.begin(), row.end());
   return samples;
 }
 

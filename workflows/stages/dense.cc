@@ -80,6 +80,7 @@ DepthIndex MakeDepths(const StageContext& context, const Dataset& dataset,
   const RigFixedCells& fixed = features.rig_fixed;
   const DenseMatcher matcher(part.rig, nearest_m, options, masks,
                              fixed.Mask(camera.width, camera.height));
+  index.view_mb = matcher.MegabytesPerView();
   const std::string how = std::string(CodeHere()) + content.rig + DescribeRig(part.rig) +
                           std::string(fixed.fixed.begin(), fixed.fixed.end()) +
                           OptionsText(options) + OptionsText(masks) + std::to_string(nearest_m);

@@ -20,10 +20,11 @@ struct DepthIndex {
   std::vector<FrameFile> files;  // of each frame's depth map
   std::optional<double> bias_px;
   double voxel_m = 0.0;  // of the map to be made of them
+  double view_mb = 0.0;  // what one takes in memory
 
   template <class Archive>
   void serialize(Archive& archive) {
-    archive(frames, files, bias_px, voxel_m);
+    archive(frames, files, bias_px, voxel_m, view_mb);
   }
 };
 

@@ -3,14 +3,34 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
+#include "core/error.h"
 #include "core/file.h"
+#include "core/memory_peak.h"
 #include "export/ply.h"
 #include "fusion/depth_fusion.h"
 #include "pipeline/code_identity.h"
 
 namespace rigmap {
 namespace {
+
+// How many depth maps stay in memory within what --memory allows the whole process.
+std::size_t CachedViews(const DepthIndex& depths, const FusionOptions& options,
+                        const StageContext& context) {
+  const double other_mb = ResidentMegabytes() + kFusionMegabytes;
+  const auto compared = std::min<std::size_t>(
+      depths.frames.size(), static_cast<std::size_t>(1 + options.neighbours + options.ahead));
+  const double least_mb = other_mb + static_cast<double>(compared) * depths.view_mb;
+  if (least_mb > context.memory_mb) {
+    throw UsageError(fmt::format(
+        "--memory: expected at least {:.0f} MB, for {} depth maps of {:.0f} MB at once, found {}; "
+        "fewer fusion.ahead and fusion.neighbours need less",
+        std::ceil(least_mb), compared, depths.view_mb, context.memory_mb));
+  }
+  const double fitting = (context.memory_mb - other_mb) / depths.view_mb;
+  return static_cast<std::size_t>(std::min<double>(kCachedViews, fitting));
+}
 
 FusedMap MakeMap(const StageContext& context, const Dataset&, const PosedPart& part,
                  const DepthIndex& depths, const FusionOptions& asked) {
@@ -29,7 +49,8 @@ FusedMap MakeMap(const StageContext& context, const Dataset&, const PosedPart& p
     PlyWriter writer(stream);
     const auto take = [&](std::span<const SurfacePoint> points) { writer.Write(points); };
     for (const std::size_t i :
-         FuseDepthMaps(posed, depths.voxel_m, options, {context.scratch / "tiles", take})) {
+         FuseDepthMaps(posed, depths.voxel_m, options, {context.scratch / "tiles", take},
+                       CachedViews(depths, options, context))) {
       fused.frames_left_out.push_back(depths.frames[i]);
     }
     writer.Finish();

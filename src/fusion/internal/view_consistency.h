@@ -28,10 +28,12 @@ struct ComparedViews {
 //   them itself; if it sees through them, it knows better;
 // - points seen too edge on (max_incidence_deg) where no surface goes on around them;
 // - points known less well than max_sigma_pct of their distance.
-// Ordered by row and column. Uses all threads; the result does not depend on their number.
+// Of these rows of the reference, ordered by row and column. Uses all threads; the result does not
+// depend on their number.
 std::vector<SurfaceSample> ConfirmedSamples(const DepthView& reference,
                                             const ComparedViews& compared,
-                                            const FusionOptions& options);
+                                            const FusionOptions& options,
+                                            const cv::Range& rows = cv::Range::all());
 
 // How two views go together, by every eighth column and row of the first.
 struct ViewAgreement {
