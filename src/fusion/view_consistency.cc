@@ -9,7 +9,7 @@
 #include <optional>
 
 #include "core/statistics.h"
-#include "fusion/internal/disparity_normal.h"
+#include "imaging/disparity_normal.h"
 
 namespace rigmap {
 namespace {

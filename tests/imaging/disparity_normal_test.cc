@@ -1,4 +1,4 @@
-#include "fusion/internal/disparity_normal.h"
+#include "imaging/disparity_normal.h"
 
 #include <gtest/gtest.h>
 
