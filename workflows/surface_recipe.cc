@@ -13,7 +13,7 @@ namespace rigmap {
 void AddSurface(StageGraph& g, const PartOptions& o, const SurfaceInputs& in) {
   const auto depths = g.AddStage(DenseMatching(), Reading(o.dense, o.masks, o.voxel), in.dataset,
                                  in.content, in.features, in.posed);
-  g.AddStage(DepthMaps(), Reading(o.depth_maps), depths);
+  g.AddStage(DepthMaps(), Reading(o.depth_maps), in.dataset, in.posed, depths);
   const auto depth_gates = g.AddCheck(DepthGates(), Reading(o.gates.dense), depths);
   const auto warning = g.AddView(WarningByGates, in.gates, depth_gates);
   const auto map = g.AddStage(Fusion(), Reading(o.fusion), in.dataset, in.posed, depths);

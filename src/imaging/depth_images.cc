@@ -4,40 +4,36 @@
 
 #include <limits>
 #include <nlohmann/json.hpp>
-#include <opencv2/imgcodecs.hpp>
 #include <ostream>
 #include <vector>
 
-#include "core/error.h"
 #include "core/file.h"
+#include "imaging/image.h"
 
 namespace rigmap {
 namespace {
 
 namespace fs = std::filesystem;
 
-void WriteTiff(const fs::path& path, const cv::Mat& image) {
-  std::vector<uchar> bytes;
-  if (!cv::imencode(".tif", image, bytes)) {
-    throw DataError(fmt::format("{}: cannot encode the image", path.string()));
-  }
-  WriteFileAtomically(path, [&](std::ostream& stream) {
-    stream.write(reinterpret_cast<const char*>(bytes.data()),
-                 static_cast<std::streamsize>(bytes.size()));
-  });
+cv::Mat Unknown(const DepthMap& map) {
+  return (map.disparity <= 0.0F) | (map.disparity_sigma >= kUnsurePx);
 }
 
 }  // namespace
 
+cv::Mat DepthImage(const DepthMap& map, float unknown) {
+  cv::Mat depth = map.camera.fx * map.baseline_m / map.disparity;
+  depth.setTo(unknown, Unknown(map));
+  return depth;
+}
+
 void WriteDepthImages(const DepthMap& map, const fs::path& folder) {
   constexpr float kNothing = std::numeric_limits<float>::quiet_NaN();
-  const cv::Mat unknown = (map.disparity <= 0.0F) | (map.disparity_sigma >= kUnsurePx);
-  cv::Mat depth = map.camera.fx * map.baseline_m / map.disparity;
+  const cv::Mat depth = DepthImage(map, kNothing);
   cv::Mat sigma = depth.mul(map.disparity_sigma) / map.disparity;
-  depth.setTo(kNothing, unknown);
-  sigma.setTo(kNothing, unknown);
-  WriteTiff(folder / fmt::format("{}.tif", map.stamp_ns), depth);
-  WriteTiff(folder / fmt::format("{}.sigma.tif", map.stamp_ns), sigma);
+  sigma.setTo(kNothing, Unknown(map));
+  WriteImage(folder / fmt::format("{}.tif", map.stamp_ns), depth);
+  WriteImage(folder / fmt::format("{}.sigma.tif", map.stamp_ns), sigma);
 }
 
 void WriteDepthCamera(const DepthMap& map, const fs::path& folder) {

@@ -81,6 +81,20 @@ Eigen::Vector3d NormalInRectified(const DepthMap& map, int row, int column) {
   return plane ? NormalOf(map, row, column, *plane) : NormalOfKnown(map, row, column);
 }
 
+cv::Mat NormalsInRectified(const DepthMap& map) {
+  cv::Mat normals(map.disparity.size(), CV_32FC3, cv::Scalar::all(0.0));
+  for (int row = 0; row < normals.rows; ++row) {
+    const float* disparity = map.disparity.ptr<float>(row);
+    cv::Vec3f* line = normals.ptr<cv::Vec3f>(row);
+    for (int column = 0; column < normals.cols; ++column) {
+      if (disparity[column] <= 0.0F) continue;
+      const Eigen::Vector3f normal = NormalInRectified(map, row, column).cast<float>();
+      line[column] = {normal.x(), normal.y(), normal.z()};
+    }
+  }
+  return normals;
+}
+
 bool LiesOnPlane(const DepthMap& map, int row, int column) {
   constexpr int kWideReach = 12, kWideStride = 4;
   constexpr double kMostOff = 0.3;     // px, root mean square

@@ -14,6 +14,9 @@ namespace rigmap {
 inline constexpr int kMinNormalPixels = 10;
 Eigen::Vector3d NormalInRectified(const DepthMap& map, int row, int column);
 
+// The same of every known pixel, zero of the others: CV_32FC3.
+cv::Mat NormalsInRectified(const DepthMap& map);
+
 // Whether what is known within 12 px of a pixel, and that is most of it, lies on one plane. At a
 // step of the depth it does not: matching leads from one side to the other over some eight pixels,
 // and a plane through both misses a step of 2 px by 0.5 px (root mean square). A plane is taken for

@@ -7,7 +7,10 @@
 #include <cstdint>
 #include <limits>
 #include <opencv2/imgcodecs.hpp>
+#include <ostream>
+#include <vector>
 
+#include "core/file.h"
 #include "imaging/internal/image_header.h"
 
 namespace rigmap {
@@ -98,6 +101,17 @@ std::optional<int> SampleBitsNeeded(const std::string& path, const Camera& camer
   double largest = 0.0;
   cv::minMaxIdx(image.reshape(1), nullptr, &largest);
   return largest < 4096.0 ? 12 : 16;
+}
+
+void WriteImage(const std::filesystem::path& path, const cv::Mat& image) {
+  std::vector<uchar> bytes;
+  if (!cv::imencode(path.extension().string(), image, bytes)) {
+    throw DataError(fmt::format("{}: cannot encode the image", path.string()));
+  }
+  WriteFileAtomically(path, [&](std::ostream& stream) {
+    stream.write(reinterpret_cast<const char*>(bytes.data()),
+                 static_cast<std::streamsize>(bytes.size()));
+  });
 }
 
 }  // namespace rigmap

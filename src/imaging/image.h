@@ -1,4 +1,4 @@
-// Images from files, as the stages want them.
+// Images from files, as the stages want them, and into files.
 #pragma once
 
 #include <filesystem>
@@ -46,5 +46,9 @@ cv::Mat ReadColour(const std::string& path, const Camera& camera, int sample_bit
 // files, known from the header alone, and for what cannot be decoded or is not of the camera's
 // size. Thread-safe.
 std::optional<int> SampleBitsNeeded(const std::string& path, const Camera& camera);
+
+// A whole file in the format of the path's extension, in place at once. Throws DataError when it
+// cannot be written.
+void WriteImage(const std::filesystem::path& path, const cv::Mat& image);
 
 }  // namespace rigmap

@@ -174,14 +174,15 @@ AdjustmentStage RigAdjustment() {
 
 PosedPart PosedByAdjustment(const StageContext&, const Dataset& dataset, const AdjustedPart& part) {
   const Adjustment& adjustment = part.adjustment;
-  PosedPart posed{WithFilesOf(dataset, adjustment.rig), part.trajectory, {}};
+  PosedPart posed{WithFilesOf(dataset, adjustment.rig), part.trajectory, {}, {}};
   posed.points_in_left.resize(adjustment.world_from_left.size());
   for (const AdjustedPoint& point : adjustment.points) {
+    PosedPoint& seen = posed.points.emplace_back(part.world_from_gauge * point.x);
     for (const PointObservation& o : point.observations) {
-      if (o.eye == Eye::kLeft) {
-        posed.points_in_left[o.frame].push_back(adjustment.world_from_left[o.frame]->Inverse() *
-                                                point.x);
-      }
+      if (o.eye != Eye::kLeft) continue;
+      posed.points_in_left[o.frame].push_back(adjustment.world_from_left[o.frame]->Inverse() *
+                                              point.x);
+      seen.in_left.push_back(o);
     }
   }
   return posed;

@@ -16,7 +16,8 @@ struct AskedForDepthMaps {
   }
 };
 
-using DepthMapsStage = Stage<AskedForDepthMaps, Takes<DepthIndex>, Reads<DepthMapOptions>>;
+using DepthMapsStage =
+    Stage<AskedForDepthMaps, Takes<Dataset, PosedPart, DepthIndex>, Reads<DepthMapOptions>>;
 DepthMapsStage DepthMaps();
 
 }  // namespace rigmap

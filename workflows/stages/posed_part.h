@@ -4,17 +4,24 @@
 #include <string>
 #include <vector>
 
+#include "scene/adjustment.h"
 #include "scene/dataset.h"
 #include "scene/rig.h"
 #include "scene/trajectory.h"
 
 namespace rigmap {
 
+struct PosedPoint {
+  Eigen::Vector3d x_in_world;
+  std::vector<PointObservation> in_left;  // what left images show of it
+};
+
 struct PosedPart {
   StereoRig rig;  // as the part corrected it
   Trajectory trajectory;
   // Sparse points in each frame's left camera, metres; empty where the technique has none.
   std::vector<std::vector<Eigen::Vector3d>> points_in_left;
+  std::vector<PosedPoint> points;  // the same, once each
 };
 
 // The rig with the files that go with it where they are now.

@@ -64,7 +64,7 @@ TrajectoryStage OdometricTrajectory() {
 }
 
 PosedPart PosedByOdometry(const StageContext&, const Dataset& dataset, const OdometricPart& part) {
-  PosedPart posed{WithFilesOf(dataset, part.rig), part.trajectory, {}};
+  PosedPart posed{WithFilesOf(dataset, part.rig), part.trajectory, {}, {}};
   posed.points_in_left.resize(part.trajectory.size());
   return posed;
 }
