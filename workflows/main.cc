@@ -70,8 +70,10 @@ void AddPart(CLI::App& app, PartArguments& a) {
   part->add_flag("--force", a.force, "Remove an earlier result from the output folder first");
   part->add_option("--threads", a.threads, "Threads; default: one per core");
   part->add_option("--memory", a.memory_mb, "Megabytes that dense matching may use");
-  part->add_flag("--depth-maps", a.depth_maps,
-                 "Write each keyframe's depth and its sigma as images (dense.depth_maps)");
+  part->add_flag(
+      "--depth-maps", a.depth_maps,
+      "Write each keyframe's depth and its sigma as images, and a workspace for COLMAP's "
+      "fusion and meshing (dense.depth_maps)");
   part->add_option("--truth", a.truth, "TUM file, or folder with trajectory.tum");
   part->add_flag("--quiet", a.quiet, "No progress, errors only");
   part->footer(PartOptionsHelp);

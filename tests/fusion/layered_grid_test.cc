@@ -14,7 +14,7 @@
 namespace rigmap {
 namespace {
 
-constexpr double kVoxelM = 0.01;
+constexpr double kFinestVoxelM = 0.01;
 
 SurfaceSample Sample(double x_m, double y_m, double z_m, double sigma_m) {
   SurfaceSample sample;
@@ -28,7 +28,7 @@ class LayeredGridInScratch : public testing::Test {
  protected:
   PointCloud Drained(const std::vector<SurfaceSample>& samples,
                      std::size_t most_voxels = 1'000'000) {
-    LayeredGrid grid(kVoxelM, 0.5, folder_.Path() / "scratch", most_voxels);
+    LayeredGrid grid(kFinestVoxelM, 0.5, folder_.Path() / "scratch", most_voxels);
     for (std::size_t i = 0; i < samples.size(); i += 1000) {
       const std::size_t end = std::min(samples.size(), i + 1000);
       grid.Add(std::span(samples).subspan(i, end - i));
@@ -48,7 +48,7 @@ TEST(LayerOfSample, IsAsCoarseAsWhatIsKnownOfIt) {
   const auto layer = [](double sigma_m, double pixel_m) {
     SurfaceSample sample = Sample(0.0, 0.0, 0.0, sigma_m);
     sample.pixel_m = static_cast<float>(pixel_m);
-    return LayeredGrid::LayerOf(sample, kVoxelM);
+    return LayeredGrid::LayerOf(sample, kFinestVoxelM);
   };
   EXPECT_EQ(layer(0.001, 0.001), 0);
   EXPECT_EQ(layer(0.029, 0.001), 0);

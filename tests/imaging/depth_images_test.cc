@@ -44,6 +44,14 @@ TEST(WriteDepthImages, WritesMetresAndTheirSigmas) {
   }
 }
 
+TEST(DepthImage, MarksWhatIsUnknownAsAsked) {
+  const cv::Mat depth = DepthImage(SmallMap(), 0.0F);
+  ASSERT_EQ(depth.type(), CV_32FC1);
+  EXPECT_FLOAT_EQ(depth.at<float>(2, 3), 4.0F);
+  EXPECT_EQ(depth.at<float>(0, 1), 0.0F);
+  EXPECT_EQ(depth.at<float>(1, 2), 0.0F);
+}
+
 TEST(WriteDepthCamera, SaysHowToReadThem) {
   const TemporaryFolder folder;
   WriteDepthCamera(SmallMap(), folder.Path());

@@ -40,6 +40,18 @@ TEST(NormalInRectified, IsThatOfAnyPlaneTowardsTheCamera) {
   }
 }
 
+TEST(NormalsInRectified, AreThoseOfTheKnownPixels) {
+  DepthMap map = PlaneSeen({0.0, 0.0, -1.0}, 3.0);
+  map.disparity.at<float>(kRow, kColumn) = 0.0F;
+  const cv::Mat normals = NormalsInRectified(map);
+  ASSERT_EQ(normals.type(), CV_32FC3);
+  ASSERT_EQ(normals.size(), map.disparity.size());
+  EXPECT_EQ(normals.at<cv::Vec3f>(kRow, kColumn), cv::Vec3f(0.0F, 0.0F, 0.0F));
+  EXPECT_LT(cv::norm(normals.at<cv::Vec3f>(4, 4) - cv::Vec3f(0.0F, 0.0F, -1.0F)), 1e-4);
+  EXPECT_LT(cv::norm(normals.at<cv::Vec3f>(kRow, kColumn + 1) - cv::Vec3f(0.0F, 0.0F, -1.0F)),
+            1e-4);
+}
+
 TEST(NormalInRectified, PassesOverAnotherSurfaceInTheWindow) {
   const Eigen::Vector3d normal = Eigen::Vector3d(0.1, -0.3, -1.0).normalized();
   DepthMap map = PlaneSeen(normal, 3.0);

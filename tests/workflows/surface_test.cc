@@ -3,8 +3,13 @@
 
 #include <cstdlib>
 #include <nlohmann/json.hpp>
+#include <opencv2/imgcodecs.hpp>
 
+#include "colmap/model_io.h"
 #include "core/file.h"
+#include "core/statistics.h"
+#include "evaluation/point_tree.h"
+#include "export/ply_reader.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/workflows/rigmap_program.h"
 
@@ -114,6 +119,55 @@ TEST_F(SurfaceOfASimulatedPart, IsDrawnAndDrawnAgainWhereThatIsAskedFor) {
     EXPECT_THAT(file, testing::Not(testing::HasSubstr("scratch")));
     EXPECT_FALSE(IsTemporaryName(fs::path(file).filename())) << file;
   }
+}
+
+PointCloud PointsIn(const fs::path& ply) {
+  PlyReader reader(ply);
+  PointCloud points, block;
+  while (reader.Read(block)) points.insert(points.end(), block.begin(), block.end());
+  return points;
+}
+
+// Median over the points of one cloud of the distance to the nearest of another.
+double MedianDistanceM(const PointCloud& from, const PointCloud& to) {
+  std::vector<Eigen::Vector3f> positions;
+  for (const SurfacePoint& point : to) positions.push_back(point.x_in_world);
+  const PointTree<Eigen::Vector3f> tree{positions};
+  std::vector<double> distances_m;
+  for (const SurfacePoint& point : from) {
+    distances_m.push_back(tree.Nearest(point.x_in_world.cast<double>(), 1e3)->distance);
+  }
+  return Median(std::move(distances_m));
+}
+
+TEST_F(SurfaceOfASimulatedPart, IsFoundAgainByColmapsFusion) {
+  const ProgramEnd run = Run({"--depth-maps"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const fs::path workspace = Out() / "dense_workspace";
+  const SparseModel model = ReadModel(workspace / "sparse");
+  ASSERT_EQ(model.cameras.size(), 1U);
+  EXPECT_GT(model.images.size(), 3U);
+  EXPECT_GT(model.points.size(), 500U);
+  for (const SparsePoint& point : model.points) {
+    EXPECT_GE(point.track.size(), 2U);
+    EXPECT_LT(point.error_px, 2.0);
+  }
+  const Camera& camera = model.cameras.front().camera;
+  for (const SparseImage& image : model.images) {
+    const cv::Mat view = cv::imread((workspace / "images" / image.name).string());
+    EXPECT_EQ(view.size(), cv::Size(camera.width, camera.height));
+    const std::string stamp = fs::path(image.name).stem();
+    EXPECT_TRUE(fs::exists(Out() / "depth_maps" / (stamp + ".tif")));
+  }
+  const fs::path fused = folder_->Path() / "fused.ply";
+  const ProgramEnd end = RunProgram(
+      "colmap", {"stereo_fusion", "--workspace_path", workspace, "--output_path", fused});
+  ASSERT_EQ(end.exit_code, 0) << end.err;
+  const PointCloud points = PointsIn(fused), ours = PointsIn(Out() / "dense.ply");
+  EXPECT_GT(points.size(), ours.size() / 4);
+  const double voxel_m = ours.front().grain_m;
+  EXPECT_LT(MedianDistanceM(points, ours), voxel_m);
+  EXPECT_LT(MedianDistanceM(ours, points), 2.0 * voxel_m);
 }
 
 }  // namespace
