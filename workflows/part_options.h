@@ -39,7 +39,7 @@ struct PartOptions {
   AdjustmentOptions adjustment;
   DenseOptions dense;
   DepthMapOptions depth_maps;  // in the section of dense
-  VoxelOptions voxel;  // in the section of fusion
+  VoxelOptions voxel;          // in the section of fusion
   FusionOptions fusion;
   RasterOptions raster;
   PictureOptions pictures;  // in the section of raster
