@@ -94,8 +94,18 @@ LayeredGrid::~LayeredGrid() {
   std::filesystem::remove_all(scratch_, ignored);
 }
 
-int LayeredGrid::LayerOf(const SurfaceSample& sample, double voxel_m) {
-  if (sample.sigma_m <= kFineSigmas * voxel_m && sample.pixel_m <= kFinePixels * voxel_m) return 0;
+bool LayeredGrid::IsSteep(const SurfaceSample& sample) {
+  constexpr float kSteep = 0.7071F;  // 45 degrees: beyond, more of it is seen from beside
+  return sample.normal.z() < kSteep;
+}
+
+int LayeredGrid::LayerOf(const SurfaceSample& sample) const {
+  const double voxel_m = voxel_m_,
+               cube_m = IsSteep(sample) ? steep_voxel_share_ * voxel_m : voxel_m;
+  if (sample.sigma_m <= kFineSigmas * voxel_m && sample.off_m <= kFineOff * cube_m &&
+      sample.pixel_m <= kFinePixels * voxel_m) {
+    return 0;
+  }
   const double side_m = std::max(sample.sigma_m, sample.pixel_m);
   const int layer = static_cast<int>(std::ceil(std::log2(side_m / voxel_m)));
   return std::clamp(layer, 1, kLayers - 1);
@@ -112,10 +122,9 @@ TiledGrid& LayeredGrid::Layer(int layer) {
 }
 
 void LayeredGrid::Add(std::span<const SurfaceSample> samples) {
-  constexpr float kSteep = 0.7071F;  // 45 degrees: beyond, more of it is seen from beside
   for (const SurfaceSample& sample : samples) {
-    const int layer = LayerOf(sample, voxel_m_);
-    (layer == 0 && sample.normal.z() < kSteep ? steep_ : Layer(layer)).Add(sample);
+    const int layer = LayerOf(sample);
+    (layer == 0 && IsSteep(sample) ? steep_ : Layer(layer)).Add(sample);
   }
   steep_.SetAside();
   for (auto& [layer, grid] : layers_) grid.SetAside();

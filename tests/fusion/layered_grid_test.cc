@@ -44,20 +44,27 @@ class LayeredGridInScratch : public testing::Test {
   FusionOptions options_{.min_observations = 1};
 };
 
-TEST(LayerOfSample, IsAsCoarseAsWhatIsKnownOfIt) {
-  const auto layer = [](double sigma_m, double pixel_m) {
+TEST_F(LayeredGridInScratch, IsAsCoarseAsWhatIsKnown) {
+  const LayeredGrid grid(kFinestVoxelM, 0.5, folder_.Path() / "scratch", 1000);
+  const auto layer = [&](double sigma_m, double off_m, double pixel_m, float up = 1.0F) {
     SurfaceSample sample = Sample(0.0, 0.0, 0.0, sigma_m);
+    sample.off_m = static_cast<float>(off_m);
     sample.pixel_m = static_cast<float>(pixel_m);
-    return LayeredGrid::LayerOf(sample, kFinestVoxelM);
+    sample.normal.z() = up;
+    return grid.LayerOf(sample);
   };
-  EXPECT_EQ(layer(0.001, 0.001), 0);
-  EXPECT_EQ(layer(0.029, 0.001), 0);
-  EXPECT_EQ(layer(0.031, 0.001), 2);  // cubes of 4 cm
-  EXPECT_EQ(layer(0.079, 0.001), 3);
-  EXPECT_EQ(layer(0.001, 0.019), 0);
-  EXPECT_EQ(layer(0.001, 0.021), 2);
-  EXPECT_EQ(layer(0.001, 0.15), 4);
-  EXPECT_EQ(layer(100.0, 0.1), LayeredGrid::kLayers - 1);
+  EXPECT_EQ(layer(0.001, 0.001, 0.001), 0);
+  EXPECT_EQ(layer(0.029, 0.001, 0.001), 0);
+  EXPECT_EQ(layer(0.031, 0.001, 0.001), 2);  // cubes of 4 cm
+  EXPECT_EQ(layer(0.079, 0.001, 0.001), 3);
+  EXPECT_EQ(layer(0.016, 0.014, 0.001), 0);
+  EXPECT_EQ(layer(0.016, 0.016, 0.001), 1);
+  EXPECT_EQ(layer(0.016, 0.0074, 0.001, 0.1F), 0);  // steep: in cubes of half the side
+  EXPECT_EQ(layer(0.016, 0.0076, 0.001, 0.1F), 1);
+  EXPECT_EQ(layer(0.001, 0.001, 0.019), 0);
+  EXPECT_EQ(layer(0.001, 0.001, 0.021), 2);
+  EXPECT_EQ(layer(0.001, 0.001, 0.15), 4);
+  EXPECT_EQ(layer(100.0, 0.001, 0.1), LayeredGrid::kLayers - 1);
 }
 
 TEST_F(LayeredGridInScratch, SaysTheGrainOfEachPoint) {

@@ -14,15 +14,17 @@
 namespace rigmap {
 
 // The finest layer has cubes of `voxel_m` for level ground, and finer ones for what is steeper than
-// 45 degrees. Points that are not known to kFineSigmas of these cubes, or of which a pixel covers
-// kFinePixels of them, go into a layer whose cubes are two to the n times as large: no smaller than
-// the point's sigma, nor than what a pixel covers.
-// Coarse points where finer ones are seen are left out: those in a cube in or beside which a finer
-// layer has a point. Not thread-safe.
+// 45 degrees. Points go into a layer whose cubes are two to the n times as large, no smaller than
+// the point's sigma, nor than what a pixel covers, if they are not known to kFineSigmas of the
+// finest cubes along the ray, or off the surface to kFineOff of those that they would lie in, or if
+// a pixel covers kFinePixels of them. Far level ground is seen edge on and known well off its
+// surface; far faces are seen head on. Coarse points where finer ones are seen are left out: those
+// in a cube in or beside which a finer layer has a point. Not thread-safe.
 class LayeredGrid {
  public:
   static constexpr double kFineSigmas = 3.0;
   static constexpr double kFinePixels = 2.0;
+  static constexpr double kFineOff = 1.5;
   static constexpr int kLayers = 8;
 
   // Files go into `scratch`, which is made, and removed in the end. Up to `most_voxels` stay in
@@ -42,10 +44,12 @@ class LayeredGrid {
              const std::function<void(std::span<const SurfacePoint>)>& take);
 
   // The layer for a sample.
-  static int LayerOf(const SurfaceSample& sample, double voxel_m);
+  int LayerOf(const SurfaceSample& sample) const;
 
  private:
   class Cover;
+
+  static bool IsSteep(const SurfaceSample& sample);
 
   TiledGrid& Layer(int layer);
   PointCloud Take(int layer, const TileIndex& tile, const FusionOptions& options);

@@ -19,6 +19,7 @@ struct SurfaceSample {
   float sigma_m = 0.0F;  // > 0
   int observations = 1;  // depth pixels it was made from
   float pixel_m = 0.0F;  // what a pixel covers of the surface
+  float off_m = 0.0F;    // one standard deviation off the surface, along its normal
 };
 
 // Cubes are hashed; 64 bytes per touched cube. The world reaches 2^20 cubes from the origin in each
