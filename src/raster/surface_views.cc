@@ -109,6 +109,15 @@ void ForEachPixel(const View& view, const Eigen::Vector3d& x_in_view, double cel
   }
 }
 
+// A coarse point's square lies in its surface: what it is nearer to the viewer by per pixel to the
+// right and per pixel down. Zero for points as fine as the cells, and for what is seen edge on.
+Eigen::Vector2d NearnessPerPixel(const View& view, const SurfacePoint& point, double cell_m) {
+  constexpr double kLeastCosine = 0.2;
+  const Eigen::Vector3d normal = view.axes.ViewFromWorld(point.normal.cast<double>());
+  if (point.grain_m <= cell_m || normal.z() < kLeastCosine) return Eigen::Vector2d::Zero();
+  return Eigen::Vector2d(-normal.x(), normal.y()) / (normal.z() * view.px_per_m);
+}
+
 // What is nearest to the viewer, pixel by pixel.
 std::array<SurfaceGrid, 3> Surfaces(const GriddedCloud& cloud, const std::array<View, 3>& views) {
   std::vector<UpperSurface> surfaces;
@@ -121,9 +130,13 @@ std::array<SurfaceGrid, 3> Surfaces(const GriddedCloud& cloud, const std::array<
       for (std::size_t i = 0; i < views.size(); ++i) {
         const Eigen::Vector3d x_in_view =
             views[i].axes.ViewFromWorld(point.x_in_world.cast<double>());
+        const Eigen::Vector2d slope = NearnessPerPixel(views[i], point, cloud.cell_m);
+        const Eigen::Vector2d centre_px = views[i].PixelFromView(x_in_view);
         ForEachPixel(views[i], x_in_view, std::max<double>(cloud.cell_m, point.grain_m),
                      [&](int column, int row) {
-                       deed(surfaces[i], column, row, static_cast<float>(x_in_view.z()), point);
+                       const Eigen::Vector2d pixel(column + 0.5, row + 0.5);
+                       const double nearness_m = x_in_view.z() + slope.dot(pixel - centre_px);
+                       deed(surfaces[i], column, row, static_cast<float>(nearness_m), point);
                      });
       }
     });
