@@ -260,6 +260,33 @@ TEST_F(Views, LeaveNoHolesInAClosedSurface) {
   EXPECT_LE(Find(picture, empty).count, all - surface);
 }
 
+// Their squares lie in the ground: held towards the viewer they would look like stairs.
+TEST_F(Views, ShadeCoarseLevelGroundEvenly) {
+  constexpr float kGrain = 0.08F;
+  const auto contrast = [&](const Eigen::Vector3f& normal) {
+    PointCloud cloud;
+    for (int x = 0; x < 50; ++x) {
+      for (int y = 0; y < 40; ++y) {
+        SurfacePoint& point = cloud.emplace_back();
+        point.x_in_world = {kGrain * static_cast<float>(x), kGrain * static_cast<float>(y), 0.0F};
+        point.normal = normal;
+        point.rgb = {120, 120, 120};
+        point.observations = 4;
+        point.grain_m = kGrain;
+      }
+    }
+    Write(cloud, {});
+    const cv::Mat3b picture = Picture("view_oblique.png");
+    const cv::Rect middle(picture.cols / 3, picture.rows / 3, picture.cols / 3, picture.rows / 6);
+    cv::Scalar mean, spread;
+    cv::meanStdDev(picture(middle), mean, spread);
+    return spread[0];
+  };
+  const double stairs = contrast(Eigen::Vector3f::Zero());
+  EXPECT_GT(stairs, 3.0);
+  EXPECT_LT(contrast(Eigen::Vector3f::UnitZ()), 0.2 * stairs);
+}
+
 TEST_F(Views, HaveEqualBytesWhateverTheOrderOfThePoints) {
   PointCloud cloud = MapCloud(0.05);
   Write(cloud, PathAlongX());
