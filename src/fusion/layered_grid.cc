@@ -100,14 +100,13 @@ bool LayeredGrid::IsSteep(const SurfaceSample& sample) {
 }
 
 int LayeredGrid::LayerOf(const SurfaceSample& sample) const {
-  const double voxel_m = voxel_m_,
-               cube_m = IsSteep(sample) ? steep_voxel_share_ * voxel_m : voxel_m;
-  if (sample.sigma_m <= kFineSigmas * voxel_m && sample.off_m <= kFineOff * cube_m &&
-      sample.pixel_m <= kFinePixels * voxel_m) {
+  const double cube_m = IsSteep(sample) ? steep_voxel_share_ * voxel_m_ : voxel_m_;
+  if (sample.sigma_m <= kFineSigmas * voxel_m_ && sample.off_m <= kFineOff * cube_m &&
+      sample.pixel_m <= kFinePixels * voxel_m_) {
     return 0;
   }
   const double side_m = std::max(sample.sigma_m, sample.pixel_m);
-  const int layer = static_cast<int>(std::ceil(std::log2(side_m / voxel_m)));
+  const int layer = static_cast<int>(std::ceil(std::log2(side_m / voxel_m_)));
   return std::clamp(layer, 1, kLayers - 1);
 }
 

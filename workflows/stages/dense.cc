@@ -13,8 +13,8 @@
 #include "core/memory_peak.h"
 #include "core/progress.h"
 #include "core/statistics.h"
+#include "dense/seen_depths.h"
 #include "pipeline/code_identity.h"
-#include "scene/seen_depths.h"
 
 namespace rigmap {
 namespace {

@@ -1,4 +1,4 @@
-#include "scene/seen_depths.h"
+#include "dense/seen_depths.h"
 
 #include <algorithm>
 #include <cmath>
