@@ -11,6 +11,7 @@
 #include "workflows/format_metrics.h"
 #include "workflows/part_options.h"
 #include "workflows/stages/compare_result.h"
+#include "workflows/stages/steps.h"
 
 namespace rigmap {
 namespace {
@@ -33,9 +34,14 @@ nlohmann::ordered_json Metrics(const EvaluateRequest& request) {
     const PartOptions options =
         std::filesystem::exists(config) ? LoadPartOptions(config, {}) : PartOptions();
     const auto truth = TruthFile(*request.truth);
-    const auto metrics = CompareWithTruth(ReadTum(request.out / "trajectory.tum"), truth,
-                                          request.out / "dense.ply", options.evaluation);
+    auto metrics = CompareWithTruth(ReadTum(request.out / "trajectory.tum"), truth,
+                                    request.out / "dense.ply", options.evaluation);
     RequireMatch(metrics, truth, options.evaluation);
+    for (const char* step : kStepNames) {
+      const auto tum = request.out / "steps" / fmt::format("{}.tum", step);
+      if (!std::filesystem::exists(tum)) continue;
+      metrics["steps"][step] = CompareWithTruth(ReadTum(tum), truth, {}, options.evaluation);
+    }
     return metrics;
   }
   const auto path = request.out / "evaluation.json";

@@ -1,4 +1,4 @@
-// The command line: rigmap part, rigmap evaluate.
+// The command line: rigmap part, evaluate, calibrate, compare, options, stages.
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -16,6 +16,7 @@
 #include "core/freed_memory.h"
 #include "pipeline/code_identity.h"
 #include "workflows/calibrate.h"
+#include "workflows/compare.h"
 #include "workflows/evaluate_part.h"
 #include "workflows/print_options.h"
 #include "workflows/print_stages.h"
@@ -50,32 +51,41 @@ struct PartArguments {
   bool force = false, quiet = false, depth_maps = false;
 };
 
-void AddPart(CLI::App& app, PartArguments& a) {
-  CLI::App* part = app.add_subcommand("part", "Reconstruct one part of a traverse");
-  part->add_option("--dataset", a.dataset, "Katwijk root or part, or stereo folder")->required();
+// What a part is made from and how good it has to be: of all commands that reconstruct one.
+CLI::Option* AddPartInputs(CLI::App* part, PartArguments& a) {
+  CLI::Option* dataset =
+      part->add_option("--dataset", a.dataset, "Katwijk root or part, or stereo folder");
   part->add_option("--traverse", a.traverse, "Traverse of a Katwijk root");
   part->add_option("--part", a.part, "Part of the traverse");
   part->add_option("--rig", a.rig, "Rig file, instead of the one beside the data");
   part->add_option("--format", a.format, "katwijk or stereo, instead of what is recognised");
-  part->add_option("--out", a.out, "Folder for the results")->required();
-  part->add_option("--technique", a.technique, "rig (default) or vo: how poses are found");
   part->add_option("--frames", a.frames, "FIRST:END of the paired frames, END excluded");
   part->add_option("--config", a.config, "YAML file of options (rigmap options lists all)");
   part->add_option("--set", a.assignments, "stage.option=value, over --config");
   part->add_option(
       "--accuracy", a.accuracy_pct,
       "Per cent of the path that scale and positions must be good to (95 %); default 1");
+  part->add_option("--threads", a.threads, "Threads; default: one per core");
+  part->add_option("--memory", a.memory_mb, "Megabytes that dense matching may use");
+  part->add_option("--truth", a.truth, "TUM file, or folder with trajectory.tum");
+  part->add_flag("--quiet", a.quiet, "No progress, errors only");
+  return dataset;
+}
+
+void AddPart(CLI::App& app, PartArguments& a) {
+  CLI::App* part = app.add_subcommand("part", "Reconstruct one part of a traverse");
+  AddPartInputs(part, a)->required();
+  part->add_option("--out", a.out, "Folder for the results")->required();
+  part->add_option("--technique", a.technique,
+                   "How the part is reconstructed: rig (default), or another for comparison "
+                   "(docs/techniques.md)");
   part->add_option("--until", a.until, "Do no more than this stage and what it depends on");
   part->add_option("--from", a.from, "Do this stage and those that depend on it anew");
   part->add_flag("--force", a.force, "Remove an earlier result from the output folder first");
-  part->add_option("--threads", a.threads, "Threads; default: one per core");
-  part->add_option("--memory", a.memory_mb, "Megabytes that dense matching may use");
   part->add_flag(
       "--depth-maps", a.depth_maps,
       "Write each keyframe's depth and its sigma as images, and a workspace for COLMAP's "
       "fusion and meshing (dense.depth_maps)");
-  part->add_option("--truth", a.truth, "TUM file, or folder with trajectory.tum");
-  part->add_flag("--quiet", a.quiet, "No progress, errors only");
   part->footer(PartOptionsHelp);
 }
 
@@ -174,6 +184,57 @@ int RunPart(const PartArguments& arguments, std::string command) {
   return 0;
 }
 
+struct CompareArguments {
+  PartArguments part;
+  std::vector<std::string> outs, techniques, sweeps;
+  int repeats = 1;
+};
+
+CLI::App* AddCompare(CLI::App& app, CompareArguments& a) {
+  CLI::App* compare =
+      app.add_subcommand("compare",
+                         "Reconstruct a part in several ways, and set results side by "
+                         "side");
+  compare->add_option("outs", a.outs, "Folders with results, instead of --dataset");
+  AddPartInputs(compare, a.part);
+  compare->add_option("--techniques", a.techniques, "Which of them (rigmap part --technique)")
+      ->delimiter(',');
+  compare->add_option("--repeat", a.repeats,
+                      "Runs of each technique that has chance in it, by other seeds");
+  compare->add_option("--sweep", a.sweeps,
+                      "stage.option=a,b,c: a run with each value; several give all combinations");
+  compare->add_option("--out", a.part.out, "Folder for the comparison and its runs")->required();
+  compare->footer(PartOptionsHelp);
+  return compare;
+}
+
+CompareRequest MakeCompareRequest(const CompareArguments& a, const std::string& command) {
+  CompareRequest request;
+  request.out = a.part.out;
+  request.outs.assign(a.outs.begin(), a.outs.end());
+  if (a.outs.empty() == a.part.dataset.empty()) {
+    throw UsageError("compare: expected either folders with results or --dataset");
+  }
+  if (a.part.dataset.empty()) return request;
+  request.part = MakeRequest(a.part, command);
+  request.config = IfGiven<fs::path>(a.part.config);
+  request.assignments = a.part.assignments;
+  for (const std::string& name : a.techniques) {
+    request.techniques.push_back(ParseTechnique(name));
+  }
+  if (request.techniques.empty()) {
+    for (const char* name : NamesOf(Technique{})) {
+      request.techniques.push_back(ParseTechnique(name));
+    }
+  }
+  if (a.repeats < 1) {
+    throw UsageError(fmt::format("--repeat: expected 1 or more, found {}", a.repeats));
+  }
+  request.repeats = a.repeats;
+  for (const std::string& sweep : a.sweeps) request.sweeps.push_back(ParseSweep(sweep));
+  return request;
+}
+
 int Main(int argc, char** argv) {
   CLI::App app("Metric trajectories and maps from stereo rovers", "rigmap");
   app.set_version_flag("--version", std::string(SourceVersion()));
@@ -192,12 +253,14 @@ int Main(int argc, char** argv) {
   CLI::App* calibration = app.add_subcommand("calibrate", "Find one rig for many parts");
   calibration->add_option("outs", outs, "Folders with the results of parts")->required();
   calibration->add_option("--rig-out", rig_out, "Rig file to be written")->required();
+  CompareArguments compare;
+  CLI::App* comparison = AddCompare(app, compare);
   std::string format = "yaml";
   CLI::App* options = app.add_subcommand("options", "Print every option of part with its default");
   options->add_option("--format", format, "yaml or markdown");
   std::string technique = "rig";
   CLI::App* stages = app.add_subcommand("stages", "Print the stages of a technique as a table");
-  stages->add_option("--technique", technique, "rig (default) or vo");
+  stages->add_option("--technique", technique, "rig (default) or another");
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
@@ -215,6 +278,10 @@ int Main(int argc, char** argv) {
     calibrate.outs.assign(outs.begin(), outs.end());
     calibrate.rig_out = rig_out;
     fmt::print("{}", Calibrate(calibrate));
+    return 0;
+  }
+  if (comparison->parsed()) {
+    fmt::print("{}", Compare(MakeCompareRequest(compare, command)));
     return 0;
   }
   if (options->parsed()) {

@@ -12,12 +12,14 @@
 #include "evaluation/rock_segmentation.h"
 #include "evaluation/rock_survey.h"
 #include "evaluation/trajectory_metrics.h"
+#include "features/corner_tracker.h"
 #include "features/feature_options.h"
 #include "fusion/fusion_options.h"
 #include "gates/gates.h"
 #include "georeference/rtk_alignment.h"
 #include "imaging/depth_map_options.h"
 #include "imaging/mask.h"
+#include "mapping/free_cameras.h"
 #include "mapping/mapping_options.h"
 #include "matching/matching_options.h"
 #include "odometry/odometry_options.h"
@@ -30,12 +32,15 @@ namespace rigmap {
 struct PartOptions {
   MaskOptions masks;
   FeatureOptions features;
+  CornerOptions corners;  // in the section klt
   OdometryOptions odometry;
   MatchingOptions matching;
   ColmapOptions colmap;
   MappingOptions mapping;
   KeyframeGraphOptions keyframe_graph;  // in the section of mapping
   ScaleOptions scale;
+  FreeMatchingOptions free_matching;  // in the section sfm, both
+  FreeMappingOptions free_mapping;
   AdjustmentOptions adjustment;
   DenseOptions dense;
   DepthMapOptions depth_maps;  // in the section of dense

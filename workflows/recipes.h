@@ -16,13 +16,34 @@ namespace rigmap {
 StageGraph RigRecipe(const Dataset& dataset, const DatasetContent& content,
                      const PartOptions& options);
 
+// The plainest reading of the task: COLMAP maps, the baseline gives metres, depth maps are fused on
+// these poses. Nothing is adjusted after the mapping. Throws UsageError where mapping.method is
+// none.
+StageGraph ColmapRecipe(const Dataset& dataset, const DatasetContent& content,
+                        const PartOptions& options);
+
+// Structure from motion alone: left and right images as free cameras with COLMAP's own matches, the
+// scale at the end by the mean left-right distance. No map.
+StageGraph SfmRecipe(const Dataset& dataset, const DatasetContent& content,
+                     const PartOptions& options);
+
+// The same poses, with depth maps fused on them; frames whose depth deviates are left out.
+StageGraph CombinedRecipe(const Dataset& dataset, const DatasetContent& content,
+                          const PartOptions& options);
+
 // Visual odometry alone, depth maps fused on its poses: no mapping, no adjustment.
 StageGraph VisualOdometryRecipe(const Dataset& dataset, const DatasetContent& content,
                                 const PartOptions& options);
 
+// The same on corners followed from frame to frame (KLT) instead of descriptors.
+StageGraph KltRecipe(const Dataset& dataset, const DatasetContent& content,
+                     const PartOptions& options);
+
 // As --technique names them.
-enum class Technique { kRig, kVisualOdometry };
-constexpr auto NamesOf(Technique) { return std::array{"rig", "vo"}; }
+enum class Technique { kRig, kColmap, kSfm, kCombined, kVisualOdometry, kKlt };
+constexpr auto NamesOf(Technique) {
+  return std::array{"rig", "colmap", "sfm", "combined", "vo", "klt"};
+}
 // Throws UsageError listing what there is.
 Technique ParseTechnique(const std::string& name);
 

@@ -19,8 +19,15 @@ void AddSurface(StageGraph& g, const PartOptions& o, const SurfaceInputs& in) {
   const auto map = g.AddStage(Fusion(), Reading(o.fusion), in.dataset, in.posed, depths);
   g.AddStage(Rasters(), Reading(o.raster), map, warning);
   g.AddStage(Pictures(), Reading(o.pictures), in.posed, map, warning);
+  const auto steps = in.steps ? *in.steps : g.AddView(NoSteps, in.posed);
   g.AddStage(Evaluation(), Reading(o.evaluation, o.georeference, o.rocks, o.rock_survey),
-             in.dataset, in.truth, in.posed, map);
+             in.dataset, in.truth, in.posed, steps, map);
+}
+
+void AddEvaluation(StageGraph& g, const PartOptions& o, Node<Dataset> dataset, Node<Truth> truth,
+                   Node<PosedPart> posed) {
+  g.AddStage(Evaluation(), Reading(o.evaluation, o.georeference, o.rocks, o.rock_survey), dataset,
+             truth, posed, g.AddView(NoSteps, posed), g.AddView(NoMap, posed));
 }
 
 }  // namespace rigmap

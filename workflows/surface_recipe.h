@@ -1,10 +1,13 @@
 // The second half of every technique: from poses to a map.
 #pragma once
 
+#include <optional>
+
 #include "workflows/part_options.h"
 #include "workflows/stages/features.h"
 #include "workflows/stages/inputs.h"
 #include "workflows/stages/posed_part.h"
+#include "workflows/stages/steps.h"
 
 namespace rigmap {
 
@@ -14,10 +17,15 @@ struct SurfaceInputs {
   Node<Truth> truth;
   Node<FeatureIndex> features;
   Node<PosedPart> posed;
-  Node<Report> gates;  // of the poses
+  Node<Report> gates;                     // of the poses
+  std::optional<Node<Steps>> steps = {};  // that led to them
 };
 
 // Adds dense, fusion, raster, views and evaluation.
 void AddSurface(StageGraph& graph, const PartOptions& options, const SurfaceInputs& inputs);
+
+// Adds evaluation alone, for techniques that make no map.
+void AddEvaluation(StageGraph& graph, const PartOptions& options, Node<Dataset> dataset,
+                   Node<Truth> truth, Node<PosedPart> posed);
 
 }  // namespace rigmap

@@ -116,6 +116,7 @@ void InsertImages(SQLite::Database& database, const std::vector<DatabaseImage>& 
     insert_image.bind(3, static_cast<std::int64_t>(CameraIdOf(image.ref.eye)));
     insert_image.exec();
     insert_image.reset();
+    if (image.keypoints.empty()) continue;  // an empty row would keep COLMAP from finding some
     std::vector<float> data;
     for (const auto& keypoint : image.keypoints) {
       data.push_back(keypoint.x() + static_cast<float>(kColmapPixelShift));

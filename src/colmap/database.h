@@ -15,8 +15,9 @@ namespace rigmap {
 
 struct DatabaseImage {
   ImageRef ref;
-  std::string name;                        // relative to the image folder; unique
-  std::vector<Eigen::Vector2f> keypoints;  // px, OpenCV's convention, distorted image
+  std::string name;  // relative to the image folder; unique
+  // Px, OpenCV's convention, distorted image; none where COLMAP's extractor is to find them.
+  std::vector<Eigen::Vector2f> keypoints;
 };
 
 struct DatabasePair {

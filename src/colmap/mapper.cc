@@ -6,6 +6,7 @@
 #include <limits>
 #include <regex>
 
+#include "colmap/internal/command_line.h"
 #include "colmap/internal/process.h"
 #include "colmap/model_io.h"
 #include "core/error.h"
@@ -13,46 +14,32 @@
 namespace rigmap {
 namespace {
 
-// A command line in the making: --NAME VALUE, options of the mapper as --Mapper.NAME VALUE.
-class CommandLine {
+// Options of the mapper as --Mapper.NAME VALUE.
+class MapperCommand : public CommandLine {
  public:
-  explicit CommandLine(const std::string& command) : arguments_{command} {}
+  using CommandLine::CommandLine;
 
-  CommandLine& Path(const std::string& name, const std::filesystem::path& path) {
-    return Add("--" + name, path.string());
+  MapperCommand& Set(const std::string& name, double value) {
+    Number("Mapper." + name, value);
+    return *this;
   }
-  CommandLine& Set(const std::string& name, double value) {
-    return Add("--Mapper." + name, fmt::format("{}", value));
-  }
-  CommandLine& Flag(const std::string& name, bool value) {
-    return Add("--" + name, value ? "1" : "0");
-  }
-  // What holds for every run, whatever the options: the calibration is not touched, no image is
-  // read for its colours, and equal runs give equal models.
-  CommandLine& SetFixed(int threads) {
-    Add("--random_seed", "0");
-    for (const char* name : {"ba_refine_focal_length", "ba_refine_principal_point",
-                             "ba_refine_extra_params", "extract_colors"}) {
-      Set(name, 0);
+  // What holds for every run, whatever the options: no image is read for its colours, and equal
+  // runs give equal models.
+  MapperCommand& SetFixed(int threads, int random_seed, bool refine_intrinsics) {
+    Number("random_seed", random_seed);
+    for (const char* name : {"ba_refine_focal_length", "ba_refine_extra_params"}) {
+      Set(name, refine_intrinsics ? 1 : 0);
     }
+    Set("ba_refine_principal_point", 0);
+    Set("extract_colors", 0);
     // With several threads 3.8's adjustment sums in the order of their arrival: above this number
     // of residuals two equal runs differ, and gain no time.
     Set("ba_min_num_residuals_for_multi_threading", std::numeric_limits<std::int32_t>::max());
     return Set("num_threads", threads);
   }
-  const std::vector<std::string>& Arguments() const { return arguments_; }
-
- private:
-  CommandLine& Add(const std::string& name, const std::string& value) {
-    arguments_.push_back(name);
-    arguments_.push_back(value);
-    return *this;
-  }
-
-  std::vector<std::string> arguments_;
 };
 
-void SetAll(const MapperOptions& options, CommandLine& command) {
+void SetAll(const MapperOptions& options, MapperCommand& command) {
   command.Set("min_num_matches", options.min_num_matches)
       .Set("multiple_models", options.multiple_models)
       .Set("min_model_size", options.min_model_size)
@@ -74,7 +61,7 @@ void SetAll(const MapperOptions& options, CommandLine& command) {
       .Set("tri_ignore_two_view_tracks", options.tri_ignore_two_view_tracks);
 }
 
-void SetAll(const TriangulatorOptions& options, CommandLine& command) {
+void SetAll(const TriangulatorOptions& options, MapperCommand& command) {
   command.Set("min_num_matches", options.min_num_matches)
       .Set("tri_create_max_angle_error", options.tri_create_max_angle_error_deg)
       .Set("tri_continue_max_angle_error", options.tri_continue_max_angle_error_deg)
@@ -99,19 +86,6 @@ void PrepareFolders(const std::filesystem::path& images, const std::filesystem::
     throw DataError(
         fmt::format("{}: cannot be prepared: {}", error.path1().string(), error.code().message()));
   }
-}
-
-ProcessRequest MakeProcess(const ColmapInstallation& colmap, const CommandLine& command,
-                           const std::filesystem::path& log, int threads) {
-  return {.program = colmap.path,
-          .arguments = command.Arguments(),
-          .log_path = log,
-          // Eigen, Ceres and BLAS below COLMAP: together no more than their share.
-          // Without the last COLMAP leaves log files of its own in the temporary folder.
-          .environment = {{"OMP_NUM_THREADS", std::to_string(threads)},
-                          {"OPENBLAS_NUM_THREADS", "1"},
-                          {"GLOG_logtostderr", "1"}},
-          .timeout_without_output_s = colmap.patience_s};
 }
 
 // 3.8 prints "Registering image #ID (K)" as it adds the K-th image of a model.
@@ -153,14 +127,14 @@ std::vector<std::filesystem::path> RunMapper(const ColmapInstallation& colmap,
   // A run that continues a model writes into the output folder itself, any other into 0/, 1/, ...
   const auto written_to = request.seed ? request.output / "0" : request.output;
   std::filesystem::create_directories(written_to);
-  CommandLine command("mapper");
+  MapperCommand command("mapper");
   command.Path("database_path", request.database)
       .Path("image_path", request.images)
       .Path("output_path", written_to);
   if (request.seed) command.Path("input_path", *request.seed);
-  command.SetFixed(request.threads);
+  command.SetFixed(request.threads, options.random_seed, options.refine_intrinsics);
   SetAll(options, command);
-  ProcessRequest process = MakeProcess(colmap, command, request.log, request.threads);
+  ProcessRequest process = ProcessOf(colmap, command, request.log, request.threads);
   process.on_line = [&](const std::string& line) {
     const auto registered = ParseRegistered(line);
     if (registered && request.on_progress) request.on_progress(*registered);
@@ -177,15 +151,15 @@ std::vector<std::filesystem::path> RunMapper(const ColmapInstallation& colmap,
 void RunPointTriangulator(const ColmapInstallation& colmap, const TriangulatorOptions& options,
                           const TriangulatorRequest& request) {
   PrepareFolders(request.images, request.output);
-  CommandLine command("point_triangulator");
+  MapperCommand command("point_triangulator");
   command.Path("database_path", request.database)
       .Path("image_path", request.images)
       .Path("input_path", request.input_model)
-      .Path("output_path", request.output)
-      .SetFixed(request.threads);
+      .Path("output_path", request.output);
+  command.SetFixed(request.threads, 0, false);
   SetAll(options, command);
-  command.Flag("clear_points", true);
-  const ProcessRequest process = MakeProcess(colmap, command, request.log, request.threads);
+  command.Number("clear_points", 1);
+  const ProcessRequest process = ProcessOf(colmap, command, request.log, request.threads);
   const ProcessResult result = RunTool(process, "triangulating points");
   if (HasModel(request.output)) return;
   throw ToolError(fmt::format("triangulating points: expected a model in {}, found none {}",

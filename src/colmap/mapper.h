@@ -1,6 +1,6 @@
 // COLMAP's incremental mapper and point triangulator, with every option that matters said aloud.
-// Intrinsics are never refined. Both are deterministic, whatever the number of threads: equal
-// databases give equal models.
+// Both are deterministic, whatever the number of threads: equal databases, options and seeds give
+// equal models.
 #pragma once
 
 #include <filesystem>
@@ -34,9 +34,12 @@ struct MapperOptions {
   double tri_min_angle_deg = 1.5;              // of a new point, and to keep one
   // Points that a single stereo pair sees carry the baseline: they are kept.
   bool tri_ignore_two_view_tracks = false;
+  bool refine_intrinsics = false;  // focal lengths and distortion; COLMAP's own default is true
+  int random_seed = 0;             // of its sampling
 };
 
-// COLMAP 3.8's own values of these options, for unseeded mapping. They ignore two-view tracks.
+// COLMAP 3.8's own values of these options, for unseeded mapping, but that intrinsics are held.
+// They ignore two-view tracks.
 MapperOptions StockMapperOptions();
 
 struct MapperRequest {

@@ -133,4 +133,17 @@ std::vector<FeatureMatch> MatchFeatures(
   return MutualBest(a, b, near_prediction, options);
 }
 
+std::vector<FeatureMatch> MatchTracks(const FrameFeatures& a, const FrameFeatures& b) {
+  std::unordered_map<std::int64_t, int> in_b;
+  for (std::size_t i = 0; i < b.tracks.size(); ++i) {
+    in_b.emplace(b.tracks[i], static_cast<int>(i));
+  }
+  std::vector<FeatureMatch> matches;
+  for (std::size_t i = 0; i < a.tracks.size(); ++i) {
+    const auto found = in_b.find(a.tracks[i]);
+    if (found != in_b.end()) matches.push_back({static_cast<int>(i), found->second});
+  }
+  return matches;
+}
+
 }  // namespace rigmap

@@ -39,4 +39,7 @@ std::vector<FeatureMatch> MatchFeatures(
     std::span<const std::optional<Eigen::Vector2d>> predicted_in_b, double radius_px,
     const FeatureMatchOptions& options);
 
+// The features of both frames that were followed from one to the other, in the order of a.
+std::vector<FeatureMatch> MatchTracks(const FrameFeatures& a, const FrameFeatures& b);
+
 }  // namespace rigmap

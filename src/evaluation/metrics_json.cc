@@ -44,4 +44,16 @@ nlohmann::ordered_json ToJson(const TrajectoryMetrics& metrics) {
   return json;
 }
 
+nlohmann::ordered_json DriftToJson(const TrajectoryMetrics& metrics) {
+  nlohmann::ordered_json json;
+  if (metrics.height) {
+    Put(json, "height_rms_m", metrics.height->rms_m, 5);
+    Put(json, "height_drift_pct", metrics.height->drift_pct, 4);
+  }
+  for (const RelativeError& drift : metrics.drift) {
+    PutRelative(json["segments"].emplace_back(nlohmann::ordered_json::object()), drift);
+  }
+  return json;
+}
+
 }  // namespace rigmap

@@ -78,9 +78,7 @@ std::vector<double> DistancesAlong(const std::vector<Rigid3>& poses) {
 // The errors of KITTI's devkit (Geiger et al. 2012), with one length of segments.
 std::optional<RelativeError> CompareSegments(const MatchedPoses& matched, double segment_m) {
   const std::vector<double> along_m = DistancesAlong(matched.truth);
-  constexpr double kMinSegment_m = 1e-6;
-  RelativeError error;
-  error.segment_m = segment_m > 0.0 ? segment_m : std::max(along_m.back() / 5.0, kMinSegment_m);
+  RelativeError error{.segment_m = segment_m};
   double count = 0.0;
   for (std::size_t i = 0; i < matched.size(); ++i) {
     const auto end = std::lower_bound(along_m.begin(), along_m.end(), along_m[i] + error.segment_m);
@@ -99,6 +97,35 @@ std::optional<RelativeError> CompareSegments(const MatchedPoses& matched, double
   error.translation_pct /= count;
   error.rotation_deg_per_m /= count;
   return error;
+}
+
+// A fifth of the path where nothing else was asked for.
+double SegmentLength(const MatchedPoses& matched, double asked_m) {
+  constexpr double kMinSegment_m = 1e-6;
+  return asked_m > 0.0 ? asked_m
+                       : std::max(DistancesAlong(matched.truth).back() / 5.0, kMinSegment_m);
+}
+
+HeightError CompareHeights(const MatchedPoses& matched) {
+  const auto estimate = Positions(matched.estimate), truth = Positions(matched.truth);
+  const Sim3 estimate_from_truth = AlignPoints(estimate, truth, false).Inverse();
+  const std::vector<double> along_m = DistancesAlong(matched.truth);
+  const double count = static_cast<double>(truth.size());
+  double squares = 0.0, sum = 0.0, along_sum = 0.0;
+  std::vector<double> errors_m;
+  for (std::size_t i = 0; i < truth.size(); ++i) {
+    errors_m.push_back(estimate[i].z() - (estimate_from_truth * truth[i]).z());
+    squares += errors_m.back() * errors_m.back();
+    sum += errors_m.back();
+    along_sum += along_m[i];
+  }
+  double together = 0.0, along_squares = 0.0;
+  for (std::size_t i = 0; i < truth.size(); ++i) {
+    const double along = along_m[i] - along_sum / count;
+    together += along * (errors_m[i] - sum / count);
+    along_squares += along * along;
+  }
+  return {std::sqrt(squares / count), along_squares > 0.0 ? 100.0 * together / along_squares : 0.0};
 }
 
 }  // namespace
@@ -133,7 +160,11 @@ TrajectoryMetrics CompareTrajectories(std::span<const TumPose> estimate,
   metrics.extent_m = Extent(sorted_estimate);
   if (matched.size() < kMinMatches) return metrics;
   metrics.aligned = CompareAligned(matched, metrics.true_path_m);
-  metrics.relative = CompareSegments(matched, options.segment_m);
+  metrics.height = CompareHeights(matched);
+  metrics.relative = CompareSegments(matched, SegmentLength(matched, options.segment_m));
+  for (const double segment_m : {5.0, 10.0, 25.0, 50.0, 100.0}) {
+    if (const auto error = CompareSegments(matched, segment_m)) metrics.drift.push_back(*error);
+  }
   return metrics;
 }
 

@@ -5,6 +5,7 @@
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <span>
+#include <vector>
 
 #include "core/options.h"
 #include "export/tum.h"
@@ -32,6 +33,12 @@ struct AlignedError {
   std::optional<double> ate_sim3_m;  // as `scale`
 };
 
+// Heights of the estimate, above the xy plane of its own world, after the rigid alignment.
+struct HeightError {
+  double rms_m = 0.0;
+  double drift_pct = 0.0;  // slope of the line that fits the errors over the true path best
+};
+
 // Relative errors: over every stretch of the true path that starts at a matched pose and is
 // segment_m long or just over, the motion's error divided by the stretch's length; the mean.
 struct RelativeError {
@@ -48,7 +55,9 @@ struct TrajectoryMetrics {
   double estimated_path_m = 0.0;        // over all estimated poses
   double extent_m = 0.0;                // largest distance of an estimated position from the first
   std::optional<AlignedError> aligned;  // nothing for fewer than three matched poses
+  std::optional<HeightError> height;    // as `aligned`
   std::optional<RelativeError> relative;  // nothing where the path has no such stretch
+  std::vector<RelativeError> drift;       // over 5, 10, 25, 50 and 100 m, as far as the path goes
 };
 
 // Compares positions and rotations of the same body. Both lists in any order; either may be empty.
@@ -61,5 +70,8 @@ TrajectoryMetrics CompareTrajectories(std::span<const TumPose> estimate,
 // scale_error_pct, and where there are relative errors segment_m, rpe_t_pct, rpe_r_deg_per_m.
 // A number that does not exist has no key.
 nlohmann::ordered_json ToJson(const TrajectoryMetrics& metrics);
+// height_rms_m, height_drift_pct, and `segments`, a list of segment_m, rpe_t_pct, rpe_r_deg_per_m.
+// Null where nothing matches.
+nlohmann::ordered_json DriftToJson(const TrajectoryMetrics& metrics);
 
 }  // namespace rigmap

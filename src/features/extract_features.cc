@@ -2,22 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <opencv2/imgproc.hpp>
 
+#include "features/internal/grey_pair.h"
 #include "features/keypoints.h"
 #include "features/stereo_matches.h"
-#include "imaging/image.h"
 
 namespace rigmap {
 namespace {
-
-// A little blur makes bilinear interpolation unbiased to 0.01 px and takes the sensor's noise.
-cv::Mat Smooth(const cv::Mat& grey) {
-  constexpr double kSigmaPx = 0.8;
-  cv::Mat smooth;
-  cv::GaussianBlur(grey, smooth, cv::Size(5, 5), kSigmaPx);
-  return smooth;
-}
 
 // Beyond the border the nearest pixel is repeated.
 Patch CutPatch(const cv::Mat& grey, const Eigen::Vector2d& centre) {
@@ -34,17 +25,6 @@ Patch CutPatch(const cv::Mat& grey, const Eigen::Vector2d& centre) {
   return patch;
 }
 
-// Empty if the file cannot be decoded; then its name is added to `unreadable`.
-cv::Mat ReadIfImage(const StereoFrame& frame, Eye eye, const StereoRig& rig,
-                    std::vector<std::string>& unreadable) {
-  try {
-    return ReadGrey(frame.PathOf(eye), rig.Of(eye).camera, frame.sample_bits);
-  } catch (const UnreadableImage&) {
-    unreadable.push_back(frame.PathOf(eye));
-    return {};
-  }
-}
-
 }  // namespace
 
 FeatureSetup MakeFeatureSetup(const StereoRig& rig, const FeatureOptions& options,
@@ -55,13 +35,12 @@ FeatureSetup MakeFeatureSetup(const StereoRig& rig, const FeatureOptions& option
 FrameFeatures ExtractFeatures(const StereoFrame& frame, const FeatureSetup& setup) {
   FrameFeatures result;
   result.stamp_ns = frame.stamp_ns;
-  auto& unreadable = result.unreadable_images;
-  const cv::Mat left = ReadIfImage(frame, Eye::kLeft, setup.rig, unreadable);
-  const cv::Mat right = ReadIfImage(frame, Eye::kRight, setup.rig, unreadable);
-  if (!unreadable.empty()) {
+  const auto pair = ReadGreyPair(frame, setup.rig, result.unreadable_images);
+  if (!pair) {
     result.usable_share = 0.0;
     return result;
   }
+  const auto& [left, right] = *pair;
   const cv::Mat left_mask = UsableMask(left, setup.left_mask, setup.mask_options);
   const Keypoints keypoints = DetectKeypoints(left, left_mask, setup.options);
   const StereoImages images{Smooth(left), Smooth(right),

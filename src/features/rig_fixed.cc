@@ -63,17 +63,20 @@ cv::Mat RigFixedCells::Mask(int width, int height) const {
 }
 
 void RigFixedCells::RemoveFrom(FrameFeatures& features) const {
-  std::size_t kept = 0;
+  std::vector<std::size_t> kept;
   for (std::size_t i = 0; i < features.features.size(); ++i) {
-    if (Cover(features.features[i].left)) continue;
-    features.features[kept] = features.features[i];
-    features.descriptors[kept] = features.descriptors[i];
-    features.patches[kept] = features.patches[i];
-    ++kept;
+    if (!Cover(features.features[i].left)) kept.push_back(i);
   }
-  features.features.resize(kept);
-  features.descriptors.resize(kept);
-  features.patches.resize(kept);
+  if (kept.size() == features.features.size()) return;
+  const auto keep = [&](auto& values) {
+    if (values.empty()) return;  // not made for these
+    for (std::size_t k = 0; k < kept.size(); ++k) values[k] = values[kept[k]];
+    values.resize(kept.size());
+  };
+  keep(features.features);
+  keep(features.descriptors);
+  keep(features.patches);
+  keep(features.tracks);
 }
 
 RigFixedVotes::RigFixedVotes(int width, int height) : width_px_(width) {

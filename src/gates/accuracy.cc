@@ -54,16 +54,18 @@ double Radius95(const Eigen::Matrix3d& covariance) {
 }
 
 Accuracy AccuracyOf(const Trajectory& trajectory, const Adjustment& adjustment,
-                    const StereoRig& rig) {
+                    const StereoRig& rig, bool positions_known) {
   Accuracy accuracy{.path_m = PathLength(trajectory)};
   if (trajectory.empty() || accuracy.path_m < rig.Baseline()) return accuracy;
   const double of_baseline = rig.baseline_sigma_m.value_or(0.0) / rig.Baseline();
-  const auto scale = adjustment.scale_sigma ? adjustment.scale_sigma : FarthestSigma(trajectory);
+  const auto scale = adjustment.scale_sigma || !positions_known ? adjustment.scale_sigma
+                                                                : FarthestSigma(trajectory);
   if (scale) accuracy.scale_95_pct = 100.0 * kSigmas95 * std::hypot(*scale, of_baseline);
   if (const auto& noise = adjustment.scale_sigma_of_noise) {
     accuracy.noise_95_pct = 100.0 * kSigmas95 * *noise;
   }
   if (rig.baseline_sigma_m) accuracy.baseline_95_pct = 100.0 * kSigmas95 * of_baseline;
+  if (!positions_known) return accuracy;
   for (const TimedPose& pose : trajectory) {
     if (pose.source == PoseSource::kPredicted) continue;
     const Eigen::Vector3d way =

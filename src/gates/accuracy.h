@@ -23,9 +23,11 @@ struct Accuracy {
 };
 
 // The scale is the adjustment's where it knows one, else that of the way to the farthest measured
-// frame. Predicted frames are left out.
+// frame. Predicted frames are left out. Where `positions_known` is false, nobody has said how good
+// the poses are, as of those that only COLMAP adjusted: then it is the adjustment's scale or
+// nothing.
 Accuracy AccuracyOf(const Trajectory& trajectory, const Adjustment& adjustment,
-                    const StereoRig& rig);
+                    const StereoRig& rig, bool positions_known = true);
 
 // Radius of the sphere that holds a normally distributed error with 95 %, to 2 % (the weighted sum
 // of squares taken as a scaled chi square, Satterthwaite 1946; its quantile by Wilson and Hilferty

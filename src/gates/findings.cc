@@ -68,7 +68,8 @@ std::optional<FrameRun> PartFindings::LongestMeasured() const {
 }
 
 PartFindings FindingsOf(const GateInputs& inputs, const GateOptions& options) {
-  PartFindings findings{.accuracy = AccuracyOf(inputs.trajectory, inputs.adjustment, inputs.rig),
+  PartFindings findings{.accuracy = AccuracyOf(inputs.trajectory, inputs.adjustment, inputs.rig,
+                                               inputs.positions_known),
                         .accuracy_asked_pct = options.poses.accuracy_pct,
                         .baseline_m = inputs.rig.Baseline(),
                         .frames = static_cast<int>(inputs.trajectory.size())};

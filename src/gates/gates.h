@@ -25,6 +25,7 @@ struct GateInputs {
   const AlignedKeyframes* aligned = nullptr;
   std::vector<float> epipolar_px;  // median absolute error of each frame
   std::optional<DepthConsistency> depth_consistency;
+  bool positions_known = true;  // whether the trajectory's covariances say anything
 };
 
 // The gates on what COLMAP made: baseline_spread, baseline_rejected, registered.

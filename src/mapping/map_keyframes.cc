@@ -9,6 +9,7 @@
 #include "colmap/model_io.h"
 #include "core/error.h"
 #include "core/progress.h"
+#include "mapping/internal/models_by_size.h"
 
 namespace rigmap {
 namespace {
@@ -17,11 +18,6 @@ namespace fs = std::filesystem;
 
 // COLMAP's triangulator aborts where no point is left after its filters.
 constexpr std::size_t kMinTriangulatedPoints = 30;
-
-struct MadeModel {
-  fs::path folder;
-  SparseModel model;
-};
 
 int LongestRun(const std::vector<bool>& flags) {
   int longest = 0, run = 0;
@@ -87,8 +83,10 @@ class KeyframeMapper {
     Progress progress("mapping", 2 * input_.graph.keyframes.size());
     const fs::path run = paths_.scratch / "unseeded";
     auto request = Request(run, progress, 0);
+    MapperOptions stock = StockMapperOptions();
+    stock.random_seed = options_.random_seed;
     try {
-      for (const fs::path& model : RunMapper(colmap_, StockMapperOptions(), request)) Keep(model);
+      for (const fs::path& model : RunMapper(colmap_, stock, request)) Keep(model);
     } catch (const ToolError& error) {
       Remark(fmt::format("unseeded mapping led to no model: {}", error.what()));
     }
@@ -124,6 +122,7 @@ class KeyframeMapper {
     MapperOptions seeded;
     seeded.multiple_models = false;
     seeded.min_model_size = 2;
+    seeded.random_seed = options_.random_seed;
     try {
       for (const fs::path& model : RunMapper(colmap_, seeded, request)) Keep(model);
     } catch (const ToolError& error) {
@@ -144,16 +143,7 @@ class KeyframeMapper {
 
   // Largest first, the folders numbered alike.
   MappingResult Finish(std::optional<MappingMethod> method) {
-    std::stable_sort(made_.begin(), made_.end(), [](const MadeModel& a, const MadeModel& b) {
-      return a.model.images.size() > b.model.images.size();
-    });
-    for (MadeModel& made : made_) {
-      const fs::path numbered = paths_.models / std::to_string(result_.models.size());
-      fs::rename(made.folder, numbered);
-      spdlog::info("model {}: {} images, {} points", numbered.string(), made.model.images.size(),
-                   made.model.points.size());
-      result_.models.push_back(std::move(made.model));
-    }
+    result_.models = NumberBySize(std::move(made_), paths_.models);
     result_.method = method;
     return std::move(result_);
   }

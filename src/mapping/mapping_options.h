@@ -24,6 +24,7 @@ struct MappingOptions {
   int seed_keyframes = 4;
   int min_model_keyframes = 4;
   int max_models = 20;
+  int random_seed = 0;
 
   OptionFields Fields();
 };

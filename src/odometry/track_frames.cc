@@ -70,10 +70,14 @@ std::optional<Found> Solve(const Reference& reference, const FrameFeatures& curr
                MedianShift(reference, current, seen.Agreeing(*pose))};
 }
 
-// Near the prediction first; everywhere when that finds too few to be sure of.
+// By descriptors near the prediction first; everywhere when that finds too few to be sure of.
 std::optional<Found> FindMotion(const Reference& reference, const FrameFeatures& current,
                                 const StereoRig& rig, const Rigid3& predicted,
-                                const OdometryOptions& options) {
+                                const OdometryOptions& options, MatchBy match_by) {
+  if (match_by == MatchBy::kTracks) {
+    return Solve(reference, current, MatchTracks(reference.features, current), rig, predicted,
+                 options);
+  }
   const auto near =
       MatchFeatures(reference.features, current, PredictedPixels(reference.points, predicted, rig),
                     options.search_radius_px, {});
@@ -119,7 +123,8 @@ void SetPose(const Found& found, int reference, const Rigid3& world_from_referen
 // Follows frames from the first it is given; counts them from 0.
 class Tracker {
  public:
-  Tracker(const StereoRig& rig, const OdometryOptions& options) : rig_(rig), options_(options) {}
+  Tracker(const StereoRig& rig, const OdometryOptions& options, MatchBy match_by)
+      : rig_(rig), options_(options), match_by_(match_by) {}
 
   void Start(FrameFeatures features) {
     OdometryFrame frame{.stamp_ns = features.stamp_ns};
@@ -183,7 +188,7 @@ class Tracker {
                                 const Rigid3& predicted) const {
     const Rigid3& world_from_reference = odometry_[reference.frame].world_from_left;
     return FindMotion(reference, current, rig_, predicted.Inverse() * world_from_reference,
-                      options_);
+                      options_, match_by_);
   }
 
   bool NeedsKeyframeNow(const std::optional<Found>& found) const {
@@ -199,6 +204,7 @@ class Tracker {
 
   const StereoRig& rig_;
   const OdometryOptions& options_;
+  MatchBy match_by_;
   Odometry odometry_;
   Reference keyframe_, previous_;
   std::optional<Reference> before_loss_;  // the keyframe when tracking had to start anew
@@ -219,14 +225,15 @@ int FirstThatCarries(int frame_count, const FeatureSource& features, const Stere
 // Puts the `start` frames before the tracked ones in front of them: each posed against the first
 // that was tracked, else predicted as if the motion after it had gone on, backwards in time.
 Odometry WithFramesBefore(int start, const FeatureSource& features, const StereoRig& rig,
-                          const OdometryOptions& options, const Odometry& tracked) {
+                          const OdometryOptions& options, MatchBy match_by,
+                          const Odometry& tracked) {
   Odometry latest_first(tracked.rbegin(), tracked.rend());
   for (OdometryFrame& frame : latest_first) frame.reference += start;
   const Reference first = MakeReference(start, features(start), rig, options);
   for (int index = start - 1; index >= 0; --index) {
     const FrameFeatures current = features(index);
     const Rigid3 predicted = PredictPose(latest_first, current.stamp_ns);
-    const auto found = FindMotion(first, current, rig, predicted.Inverse(), options);
+    const auto found = FindMotion(first, current, rig, predicted.Inverse(), options, match_by);
     OdometryFrame& frame = latest_first.emplace_back();
     frame.stamp_ns = current.stamp_ns;
     if (found) {
@@ -242,15 +249,15 @@ Odometry WithFramesBefore(int start, const FeatureSource& features, const Stereo
 }  // namespace
 
 Odometry TrackFrames(int frame_count, const FeatureSource& features, const StereoRig& rig,
-                     const OdometryOptions& options) {
+                     const OdometryOptions& options, MatchBy match_by) {
   if (frame_count == 0) return {};
   const int start = FirstThatCarries(frame_count, features, rig, options);
   if (start > 0) spdlog::info("frame {} is the first that others can be posed against", start);
-  Tracker tracker(rig, options);
+  Tracker tracker(rig, options, match_by);
   tracker.Start(features(start));
   for (int frame = start + 1; frame < frame_count; ++frame) tracker.Add(features(frame));
   Odometry odometry = tracker.Finish();
-  if (start > 0) odometry = WithFramesBefore(start, features, rig, options, odometry);
+  if (start > 0) odometry = WithFramesBefore(start, features, rig, options, match_by, odometry);
   SetPredictionCovariances(odometry, options);
   return odometry;
 }

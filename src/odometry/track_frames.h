@@ -8,14 +8,18 @@
 
 namespace rigmap {
 
+// What tells that two frames show the same point.
+enum class MatchBy { kDescriptors, kTracks };
+
 // Poses `frame_count` frames one after the other: each is matched with the last keyframe near where
 // the motion so far predicts its points, else everywhere; where that fails the frame before becomes
 // a keyframe and is tried; where that fails too the motion is carried on (source predicted) and
 // tracking starts anew, but the keyframe that was lost is tried until something is found. Predicted
 // frames between two posed ones are put between them. It begins with the first frame that shows
 // enough to pose others against: those before it are posed against it, else predicted backwards in
-// time. Holds three frames' features at a time and asks for each a few times.
+// time. Holds three frames' features at a time and asks for each a few times. Matches by tracks
+// need no search.
 Odometry TrackFrames(int frame_count, const FeatureSource& features, const StereoRig& rig,
-                     const OdometryOptions& options);
+                     const OdometryOptions& options, MatchBy match_by = MatchBy::kDescriptors);
 
 }  // namespace rigmap

@@ -40,7 +40,8 @@ struct Adjustment {
   // for the frames held and those without points.
   std::vector<int> datum_frames;
   // Of world_from_left relative to the frame's datum frame, about the gauge's axes: translation
-  // (m), then rotation (rad). Inflated for correlated residuals and for a corrected rig.
+  // (m), then rotation (rad). Inflated for correlated residuals and for a corrected rig. Empty
+  // where nothing is known of them, as for poses that only COLMAP has adjusted.
   std::vector<Matrix6d> covariances;
   std::vector<AdjustedPoint> points;
   StereoRig rig;                                 // as calibrated, unless the part corrected it

@@ -36,7 +36,8 @@ struct AlignedModel {
 };
 
 struct AlignedKeyframes {
-  std::vector<std::optional<Rigid3>> world_from_left;  // per keyframe, metres
+  // Per keyframe, metres; empty where none was to be mapped.
+  std::vector<std::optional<Rigid3>> world_from_left;
   std::vector<AlignedModel> models;
 
   template <class Archive>

@@ -35,12 +35,14 @@ struct Feature {
   }
 };
 
-// Features, descriptors and patches run in parallel: one entry of each per feature.
+// Features run in parallel with their descriptors and patches where these were made, and with their
+// tracks where they were followed from frame to frame.
 struct FrameFeatures {
   StampNs stamp_ns = 0;
   std::vector<Feature> features;
   std::vector<Descriptor> descriptors;
   std::vector<Patch> patches;
+  std::vector<std::int64_t> tracks;  // the same number in all frames that show the same point
   // Signed distances (px, right image) of stereo matches from their epipolar line, as found before
   // any was rejected for it.
   std::vector<float> epipolar_errors_px;
@@ -50,7 +52,7 @@ struct FrameFeatures {
 
   template <class Archive>
   void serialize(Archive& archive) {
-    archive(stamp_ns, features, descriptors, patches, epipolar_errors_px, usable_share,
+    archive(stamp_ns, features, descriptors, patches, tracks, epipolar_errors_px, usable_share,
             unreadable_images);
   }
 };

@@ -7,7 +7,9 @@
 
 namespace rigmap {
 
-enum class MappingMethod { kSeeded, kTriangulate, kUnseeded };
-constexpr auto NamesOf(MappingMethod) { return std::array{"seeded", "triangulate", "unseeded"}; }
+enum class MappingMethod { kSeeded, kTriangulate, kUnseeded, kNone };
+constexpr auto NamesOf(MappingMethod) {
+  return std::array{"seeded", "triangulate", "unseeded", "none"};
+}
 
 }  // namespace rigmap

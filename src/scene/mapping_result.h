@@ -11,9 +11,10 @@
 namespace rigmap {
 
 struct MappingResult {
-  std::vector<SparseModel> models;      // largest first, as in the folders
-  std::optional<MappingMethod> method;  // that gave them; nothing if there was nothing to map
-  std::vector<std::string> remarks;     // what went otherwise than planned, a sentence each
+  std::vector<SparseModel> models;  // largest first, as in the folders
+  // That gave them: kNone where none were wanted, nothing where what was wanted led to none.
+  std::optional<MappingMethod> method;
+  std::vector<std::string> remarks;  // what went otherwise than planned, a sentence each
 
   template <class Archive>
   void serialize(Archive& archive) {

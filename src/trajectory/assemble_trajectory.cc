@@ -2,6 +2,7 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
+#include <limits>
 
 #include "trajectory/starting_poses.h"
 
@@ -13,6 +14,8 @@ struct Uncertain {
   Rigid3 gauge_from_left;
   Matrix6d covariance = Matrix6d::Zero();
 };
+
+Matrix6d Unknown() { return Matrix6d::Constant(std::numeric_limits<double>::quiet_NaN()); }
 
 // How an error of a pose at `from` (translation, rotation about gauge axes) moves another at `to`
 // to which it is rigidly connected: a rotation of the first moves the second by the lever arm.
@@ -58,6 +61,7 @@ Uncertain PoseOf(int i, const Odometry& odometry, const Adjustment& adjustment,
   const OdometryFrame& frame = odometry[i];
   const auto& adjusted = adjustment.world_from_left[i];
   if (adjusted && adjustment.datum_frames[i] != i) {
+    if (adjustment.covariances.empty()) return {*adjusted, Unknown()};
     // Known relative to its datum frame, whose own uncertainty it shares.
     return {*adjusted,
             Carry(known[adjustment.datum_frames[i]], *adjusted) + adjustment.covariances[i]};

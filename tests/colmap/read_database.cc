@@ -80,9 +80,10 @@ DatabaseContent ReadDatabase(const std::filesystem::path& path) {
   SQLite::Statement cameras(
       database, "SELECT camera_id, model, width, height, params FROM cameras ORDER BY camera_id");
   while (cameras.executeStep()) content.cameras.push_back(ReadCameraRow(cameras));
-  SQLite::Statement images(database,
-                           "SELECT image_id, name, camera_id, rows, cols, data FROM images JOIN "
-                           "keypoints USING (image_id) ORDER BY image_id");
+  SQLite::Statement images(
+      database,
+      "SELECT image_id, name, camera_id, IFNULL(rows, 0), IFNULL(cols, 2), data "
+      "FROM images LEFT JOIN keypoints USING (image_id) ORDER BY image_id");
   while (images.executeStep()) content.images.push_back(ReadImageRow(images));
   SQLite::Statement pairs(database,
                           "SELECT pair_id, rows, data FROM two_view_geometries ORDER BY pair_id");

@@ -101,6 +101,31 @@ TEST(CompareTrajectories, ShowsADriftOfTheHeadingPerMetre) {
   EXPECT_GT(metrics.relative->translation_pct, 1.0);
 }
 
+// A straight way of 30 m along x, whose heights the estimate gets wrong by 1 in 100.
+TEST(CompareTrajectories, TellsHeightsAndTheDriftOverFixedLengths) {
+  std::vector<TumPose> truth, estimate;
+  for (int i = 0; i <= 300; ++i) {
+    const double x = 0.1 * i, aside = 0.5 * std::sin(0.3 * x);  // so that no axis is left open
+    truth.push_back({i * 100'000'000LL, {Eigen::Quaterniond::Identity(), {x, aside, 0.0}}});
+    const double height = i < 150 ? 0.0 : 0.01 * (x - 15.0);
+    estimate.push_back({i * 100'000'000LL, {Eigen::Quaterniond::Identity(), {x, aside, height}}});
+  }
+  const TrajectoryMetrics metrics = CompareTrajectories(estimate, truth);
+  ASSERT_TRUE(metrics.height);
+  // The alignment turns half of the bend away.
+  EXPECT_NEAR(metrics.height->rms_m, metrics.aligned->ate_se3_m, 1e-4);
+  EXPECT_GT(metrics.height->rms_m, 0.005);
+  EXPECT_NEAR(metrics.height->drift_pct, 0.0, 0.02);
+  ASSERT_EQ(metrics.drift.size(), 3U);  // 5, 10 and 25 m
+  EXPECT_EQ(metrics.drift[1].segment_m, 10.0);
+  // Half of the stretches of 10 m are on the slope, most others reach into it.
+  EXPECT_GT(metrics.drift[1].translation_pct, 0.3);
+  EXPECT_LT(metrics.drift[1].translation_pct, 1.0);
+  EXPECT_EQ(DriftToJson(metrics)["segments"].size(), 3U);
+  EXPECT_EQ(DriftToJson(metrics)["segments"][2]["segment_m"], 25.0);
+  EXPECT_TRUE(DriftToJson(metrics).contains("height_rms_m"));
+}
+
 TEST(CompareTrajectories, CountsMissingFramesAsUncovered) {
   const Poses truth = Drive(50);
   Poses estimate = truth;

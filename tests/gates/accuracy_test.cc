@@ -54,6 +54,22 @@ TEST(AccuracyOf, TakesTheScaleOfTheAdjustmentElseOfTheFarthestFrame) {
   EXPECT_NEAR(AccuracyOf(trajectory, adjustment, LocCamRig()).scale_95_pct.value(), 0.196, 1e-9);
 }
 
+TEST(AccuracyOf, OfPosesThatNobodyVouchesForIsTheAdjustmentsScaleOrNothing) {
+  Trajectory trajectory = Drive();
+  const double unknown = std::numeric_limits<double>::quiet_NaN();
+  for (TimedPose& pose : trajectory) pose.position_covariance.setConstant(unknown);
+  Adjustment adjustment;
+  const Accuracy nothing = AccuracyOf(trajectory, adjustment, LocCamRig(), false);
+  EXPECT_FALSE(nothing.scale_95_pct || nothing.position_95_m || nothing.position_95_pct);
+  adjustment.scale_sigma = 0.001;
+  const Accuracy scale = AccuracyOf(trajectory, adjustment, LocCamRig(), false);
+  EXPECT_NEAR(scale.scale_95_pct.value(), 0.196, 1e-9);
+  EXPECT_FALSE(scale.position_95_m);
+  // Where somebody does, what is not a number is not known.
+  EXPECT_EQ(AccuracyOf(trajectory, adjustment, LocCamRig()).position_95_m,
+            std::numeric_limits<double>::infinity());
+}
+
 TEST(AccuracyOf, OfAWayThatTurnsTheDirectionCounts) {
   // 2 mm known along a slanting way, whose coordinates are known to 1 cm each: they err together.
   Trajectory trajectory = Drive();

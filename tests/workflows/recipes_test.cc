@@ -1,6 +1,7 @@
 // Which options redo which stages.
 #include "workflows/recipes.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include <map>
@@ -32,6 +33,8 @@ const std::map<std::string, Names> kReaders{
     {"colmap", {}},
     {"mapping", {"mapping"}},
     {"mapping.tracks_per_keyframe", {"database"}},
+    {"klt", {}},
+    {"sfm", {}},
     {"scale", {"mapping"}},
     {"adjustment", {"adjustment"}},
     {"dense", {"dense"}},
@@ -126,25 +129,37 @@ std::vector<std::string> DescendantsOf(const StageGraph& graph, const std::strin
 
 TEST(RigRecipe, StagesDependOnWhatTheyTakeAndNoMore) {
   const StageGraph graph = GraphOf({});
-  EXPECT_THAT(
-      StageNames(Technique::kRig),
-      ElementsAre("dataset", "features", "odometry", "matching", "database", "mapping", "scale",
-                  "adjustment", "dense", "depth_maps", "fusion", "raster", "views", "evaluation"));
+  EXPECT_THAT(StageNames(Technique::kRig),
+              ElementsAre("dataset", "features", "odometry", "matching", "database", "mapping",
+                          "scale", "adjustment", "steps", "dense", "depth_maps", "fusion", "raster",
+                          "views", "evaluation"));
   EXPECT_THAT(DescendantsOf(graph, "views"), ElementsAre("views"));
   EXPECT_THAT(DescendantsOf(graph, "raster"), ElementsAre("raster"));
   EXPECT_THAT(DescendantsOf(graph, "truth"), ElementsAre("truth", "evaluation"));
   EXPECT_THAT(DescendantsOf(graph, "fusion"),
               ElementsAre("fusion", "raster", "views", "evaluation"));
   EXPECT_THAT(DescendantsOf(graph, "scale"),
-              ElementsAre("scale", "adjustment", "gates", "dense", "depth_maps", "depth_gates",
-                          "fusion", "raster", "views", "evaluation"));
+              ElementsAre("scale", "adjustment", "gates", "steps", "dense", "depth_maps",
+                          "depth_gates", "fusion", "raster", "views", "evaluation"));
 }
 
-// To make the tables anew: rigmap stages --technique rig, and vo.
-TEST(PrintStages, GivesTheTablesOfTheDocument) {
-  const std::string document = ReadTextFile(RIGMAP_DOCS "/stages.md");
-  for (const Technique technique : {Technique::kRig, Technique::kVisualOdometry}) {
-    EXPECT_THAT(document, HasSubstr("\n\n" + PrintStages(technique) + "\n"));
+std::vector<Technique> AllTechniques() {
+  std::vector<Technique> techniques;
+  for (const char* name : NamesOf(Technique{})) techniques.push_back(ParseTechnique(name));
+  return techniques;
+}
+
+// To make the table anew: rigmap stages.
+TEST(PrintStages, GivesTheTableOfTheDocument) {
+  EXPECT_THAT(ReadTextFile(RIGMAP_DOCS "/stages.md"),
+              HasSubstr("\n\n" + PrintStages(Technique::kRig) + "\n"));
+}
+
+TEST(StageNamesTest, AreThoseOfTheDocument) {
+  const std::string document = ReadTextFile(RIGMAP_DOCS "/techniques.md");
+  for (const Technique technique : AllTechniques()) {
+    EXPECT_THAT(document, HasSubstr(fmt::format("\n- `{}`: {}\n", NameOf(technique),
+                                                fmt::join(StageNames(technique), ", "))));
   }
 }
 
@@ -168,6 +183,28 @@ TEST(VisualOdometryRecipe, SharesItsFirstStagesWithTheRigRecipe) {
                           "fusion", "raster", "views", "evaluation"));
 }
 
+TEST(ColmapRecipe, LeavesThePosesOfTheMappingAsTheyAre) {
+  EXPECT_THAT(
+      StageNames(Technique::kColmap),
+      ElementsAre("dataset", "features", "odometry", "matching", "database", "mapping", "scale",
+                  "trajectory", "dense", "depth_maps", "fusion", "raster", "views", "evaluation"));
+  const StageGraph rig = RigRecipe({}, {}, {}), colmap = ColmapRecipe({}, {}, {});
+  EXPECT_EQ(rig.nodes()[rig.IndexOf("mapping")].identity,
+            colmap.nodes()[colmap.IndexOf("mapping")].identity);
+  PartOptions without;
+  without.mapping.method = MappingMethod::kNone;
+  EXPECT_THAT(MessageOf<UsageError>([&] { ColmapRecipe({}, {}, without); }),
+              HasSubstr("mapping.method"));
+}
+
+// The odometry goes into the adjustment, and the mapping is not asked.
+TEST(RigRecipe, WithoutMappingAdjustsTheOdometry) {
+  PartOptions without;
+  without.mapping.method = MappingMethod::kNone;
+  EXPECT_THAT(Changed(GraphOf({}), GraphOf(without)),
+              AllOf(testing::Contains("mapping"), testing::Contains("adjustment")));
+}
+
 TEST(KnownOutputsTest, AreThoseOfAllTechniquesOnce) {
   const auto outputs = KnownOutputs();
   EXPECT_THAT(outputs, IsSupersetOf({"trajectory.tum", "sparse", "dense.ply", "view_top.png",
@@ -176,11 +213,11 @@ TEST(KnownOutputsTest, AreThoseOfAllTechniquesOnce) {
 }
 
 TEST(TechniqueNames, ReadBackAndListWhatThereIs) {
-  for (const Technique technique : {Technique::kRig, Technique::kVisualOdometry}) {
+  for (const Technique technique : AllTechniques()) {
     EXPECT_EQ(ParseTechnique(NameOf(technique)), technique);
   }
   EXPECT_THAT(MessageOf<UsageError>([] { ParseTechnique("icp2"); }),
-              AllOf(HasSubstr("rig, vo"), HasSubstr("'icp2'")));
+              AllOf(HasSubstr("rig, colmap, sfm, combined, vo, klt"), HasSubstr("'icp2'")));
 }
 
 }  // namespace

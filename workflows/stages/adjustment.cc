@@ -6,11 +6,9 @@
 #include <algorithm>
 #include <numbers>
 
-#include "adjustment/level_world.h"
 #include "odometry/track_frames.h"
 #include "pipeline/code_identity.h"
 #include "pose_graph/relax_poses.h"
-#include "trajectory/assemble_trajectory.h"
 #include "trajectory/starting_poses.h"
 #include "workflows/stages/calibration_output.h"
 #include "workflows/stages/sparse_output.h"
@@ -19,25 +17,6 @@
 
 namespace rigmap {
 namespace {
-
-// The gauge of the adjustment laid into the world, and a pose for every frame.
-AdjustedPart LayInWorld(const Dataset& dataset, const Odometry& odometry,
-                        const Adjustment& adjustment) {
-  std::vector<Eigen::Vector3d> points;
-  for (const AdjustedPoint& point : adjustment.points) points.push_back(point.x);
-  std::vector<std::optional<Rigid3>> poses;
-  for (const TimedPose& pose : AssembleTrajectory(odometry, adjustment, Rigid3())) {
-    poses.push_back(pose.world_from_left);
-  }
-  std::fill_n(poses.begin(), FirstPosedFrame(odometry), std::nullopt);
-  const LevelledWorld world = LevelWorld(poses, points, dataset);
-  return {adjustment,
-          odometry,
-          world.world_from_gauge,
-          world.up_source,
-          AssembleTrajectory(odometry, adjustment, world.world_from_gauge),
-          {}};
-}
 
 struct Adjuster {
   const Dataset& dataset;
@@ -109,12 +88,9 @@ AdjustedPart MakeAdjusted(const StageContext&, const Dataset& dataset, const Dat
                           const AlignedKeyframes& aligned, const InTurn<StartingFrom>& ways,
                           const AdjustmentOptions& options, const OdometryOptions& odometry_options,
                           const AdjustmentGateOptions& gates) {
-  std::vector<std::optional<Rigid3>> mapped(odometry.size());
-  for (std::size_t k = 0; k < graph.keyframes.size(); ++k) {
-    mapped[graph.keyframes[k].frame] = aligned.world_from_left[k];
-  }
   return AdjustInTurn(
-      {dataset, features, odometry, matches, std::move(mapped), options, odometry_options, gates},
+      {dataset, features, odometry, matches, PosesByFrame(aligned, graph, odometry.size()), options,
+       odometry_options, gates},
       ways);
 }
 
@@ -170,22 +146,6 @@ AdjustmentStage RigAdjustment() {
           .publishes = std::move(publishes),
           .publish = PublishAdjusted,
           .report = ReportAdjusted};
-}
-
-PosedPart PosedByAdjustment(const StageContext&, const Dataset& dataset, const AdjustedPart& part) {
-  const Adjustment& adjustment = part.adjustment;
-  PosedPart posed{WithFilesOf(dataset, adjustment.rig), part.trajectory, {}, {}};
-  posed.points_in_left.resize(adjustment.world_from_left.size());
-  for (const AdjustedPoint& point : adjustment.points) {
-    PosedPoint& seen = posed.points.emplace_back(part.world_from_gauge * point.x);
-    for (const PointObservation& o : point.observations) {
-      if (o.eye != Eye::kLeft) continue;
-      posed.points_in_left[o.frame].push_back(adjustment.world_from_left[o.frame]->Inverse() *
-                                              point.x);
-      seen.in_left.push_back(o);
-    }
-  }
-  return posed;
 }
 
 }  // namespace rigmap

@@ -15,25 +15,10 @@
 #include "scene/correspondences.h"
 #include "scene/dataset.h"
 #include "scene/keyframe_graph.h"
-#include "scene/world_up.h"
+#include "workflows/stages/adjusted_part.h"
 #include "workflows/stages/in_turn.h"
-#include "workflows/stages/posed_part.h"
 
 namespace rigmap {
-
-struct AdjustedPart {
-  Adjustment adjustment;  // in its own gauge
-  Odometry odometry;      // gives frames that are not adjusted their poses; by the corrected rig
-  Rigid3 world_from_gauge;
-  WorldUp world_up = WorldUp::kCamera;
-  Trajectory trajectory;             // every paired frame, in the world
-  std::vector<std::string> remarks;  // what went otherwise than planned, a sentence each
-
-  template <class Archive>
-  void serialize(Archive& archive) {
-    archive(adjustment, odometry, world_from_gauge, world_up, trajectory, remarks);
-  }
-};
 
 // Which poses the adjustment starts from.
 enum class StartingFrom { kMapping, kOdometry };
@@ -48,9 +33,5 @@ using AdjustmentStage =
 // adjustment starts from that, since steps that only the odometry knows were measured with the
 // wrong rig. Else, where a gate on the adjustment fails, it begins again from the other poses.
 AdjustmentStage RigAdjustment();
-
-// A view.
-PosedPart PosedByAdjustment(const StageContext& context, const Dataset& dataset,
-                            const AdjustedPart& part);
 
 }  // namespace rigmap

@@ -42,8 +42,10 @@ std::vector<TumPose> TruthDuring(const std::vector<TumPose>& estimate, std::vect
 nlohmann::ordered_json CompareWithTruth(const std::vector<TumPose>& estimate,
                                         const fs::path& truth_tum, const fs::path& map_ply,
                                         const EvaluationOptions& options) {
-  auto json = ToJson(CompareTrajectories(
-      estimate, TruthDuring(estimate, ReadTum(truth_tum), options.max_dt_s), options));
+  const TrajectoryMetrics trajectory = CompareTrajectories(
+      estimate, TruthDuring(estimate, ReadTum(truth_tum), options.max_dt_s), options);
+  auto json = ToJson(trajectory);
+  if (auto drift = DriftToJson(trajectory); !drift.is_null()) json["drift"] = std::move(drift);
   std::error_code ignored;
   if (!fs::exists(map_ply, ignored)) return json;
   const auto truth = ReadMapTruth(truth_tum.parent_path());

@@ -23,9 +23,9 @@ struct Truth {
   std::vector<SurveyedLandmark> surveyed_rocks;
 };
 
-// The keys of trajectory_metrics.h, of the truth between the first and the last estimated pose; and
-// where `map_ply` exists and the folder of the truth holds a true surface (map_truth.h), `map` and
-// `rocks` with those of map_metrics.h and rock_metrics.h.
+// The keys of trajectory_metrics.h, those of drift in `drift`, of the truth between the first and
+// the last estimated pose; and where `map_ply` exists and the folder of the truth holds a true
+// surface (map_truth.h), `map` and `rocks` with those of map_metrics.h and rock_metrics.h.
 nlohmann::ordered_json CompareWithTruth(const std::vector<TumPose>& estimate,
                                         const std::filesystem::path& truth_tum,
                                         const std::filesystem::path& map_ply,

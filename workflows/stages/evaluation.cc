@@ -6,20 +6,26 @@
 namespace rigmap {
 namespace {
 
+std::vector<TumPose> PosesOf(const Trajectory& trajectory) {
+  std::vector<TumPose> poses;
+  for (const TimedPose& pose : trajectory) poses.push_back({pose.stamp_ns, pose.world_from_left});
+  return poses;
+}
+
 // evaluation.json; empty if there is nothing to compare with.
 std::string MakeMetrics(const StageContext& context, const Dataset& dataset, const Truth& truth,
-                        const PosedPart& part, const FusedMap&, const EvaluationOptions& options,
-                        const RtkAlignmentOptions& alignment,
+                        const PosedPart& part, const Steps& steps, const FusedMap&,
+                        const EvaluationOptions& options, const RtkAlignmentOptions& alignment,
                         const RockSegmentationOptions& segmentation,
                         const RockSurveyOptions& survey) {
   const auto map = context.root / "dense.ply";
   Report metrics;
   if (!truth.tum_path.empty()) {
-    std::vector<TumPose> estimate;
-    for (const TimedPose& pose : part.trajectory) {
-      estimate.push_back({pose.stamp_ns, pose.world_from_left});
+    metrics = CompareWithTruth(PosesOf(part.trajectory), truth.tum_path, map, options);
+    for (const Step& step : steps) {
+      metrics["steps"][step.name] =
+          CompareWithTruth(PosesOf(step.trajectory), truth.tum_path, {}, options);
     }
-    metrics = CompareWithTruth(estimate, truth.tum_path, map, options);
   }
   const Report surveyed = CompareWithSurvey({part.trajectory, dataset.rig, truth, map},
                                             {alignment, segmentation, survey});
@@ -28,7 +34,7 @@ std::string MakeMetrics(const StageContext& context, const Dataset& dataset, con
 }
 
 void PublishMetrics(Publication& publication, const StageContext&, const std::string& metrics,
-                    const Dataset&, const Truth&, const PosedPart&, const FusedMap&) {
+                    const Dataset&, const Truth&, const PosedPart&, const Steps&, const FusedMap&) {
   if (metrics.empty()) return;
   publication.File("evaluation.json", [&](std::ostream& stream) { stream << metrics; });
 }

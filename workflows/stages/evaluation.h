@@ -10,11 +10,12 @@
 #include "georeference/rtk_alignment.h"
 #include "workflows/stages/fusion.h"
 #include "workflows/stages/inputs.h"
+#include "workflows/stages/steps.h"
 
 namespace rigmap {
 
 using EvaluationStage = Stage<
-    std::string, Takes<Dataset, Truth, PosedPart, FusedMap>,
+    std::string, Takes<Dataset, Truth, PosedPart, Steps, FusedMap>,
     Reads<EvaluationOptions, RtkAlignmentOptions, RockSegmentationOptions, RockSurveyOptions>>;
 EvaluationStage Evaluation();
 

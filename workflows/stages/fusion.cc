@@ -72,6 +72,8 @@ Report ReportMap(const FusedMap& fused, const Dataset& dataset, const PosedPart&
 
 }  // namespace
 
+FusedMap NoMap(const StageContext&, const PosedPart&) { return {}; }
+
 FusionStage Fusion() {
   return {.name = "fusion",
           .about = "points on a grid, from depth maps that confirm each other",

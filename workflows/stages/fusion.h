@@ -26,4 +26,7 @@ struct FusedMap {
 using FusionStage = Stage<FusedMap, Takes<Dataset, PosedPart, DepthIndex>, Reads<FusionOptions>>;
 FusionStage Fusion();
 
+// A view, for techniques that make no map.
+FusedMap NoMap(const StageContext& context, const PosedPart& part);
+
 }  // namespace rigmap

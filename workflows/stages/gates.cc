@@ -91,6 +91,9 @@ Report ReportPart(const GateInputs& inputs, const GateOptions& options) {
   if (accuracy.scale_95_pct && accuracy.position_95_m) {
     text = fmt::format("metres good to {:.2g} % and positions to {} (95 %); ",
                        *accuracy.scale_95_pct, LengthText(*accuracy.position_95_m));
+  } else if (accuracy.scale_95_pct) {
+    text = fmt::format("metres good to {:.2g} % (95 %), of positions nothing is known; ",
+                       *accuracy.scale_95_pct);
   }
   report["verdict"]["text"] = text + AboutRig(inputs.rig, inputs.adjustment);
   report["depth_consistency"] = ReportDepthConsistency(inputs.depth_consistency);
@@ -98,18 +101,28 @@ Report ReportPart(const GateInputs& inputs, const GateOptions& options) {
 }
 
 Report JudgeAdjusted(const Dataset& dataset, const FeatureIndex& features,
-                     const KeyframeGraph& graph, const AlignedKeyframes& aligned,
-                     const AdjustedPart& part, const MappingGateOptions& mapping,
-                     const PoseGateOptions& poses, const AdjustmentGateOptions& adjustment,
+                     const AlignedKeyframes& aligned, const AdjustedPart& part,
+                     const MappingGateOptions& mapping, const PoseGateOptions& poses,
+                     const AdjustmentGateOptions& adjustment,
                      const CalibrationGateOptions& calibration) {
-  const bool was_mapped = graph.keyframes.size() >= kMinMappedKeyframes;
+  const bool was_mapped = !aligned.world_from_left.empty();
   const GateInputs inputs{dataset.rig,
                           part.odometry,
                           part.adjustment,
                           part.trajectory,
                           was_mapped ? &aligned : nullptr,
                           features.epipolar_px,
-                          DepthConsistencyOf(part.adjustment)};
+                          DepthConsistencyOf(part.adjustment),
+                          part.KnowsPositions()};
+  return ReportPart(inputs, {mapping, poses, adjustment, calibration, {}});
+}
+
+Report JudgeFreeCameras(const Dataset& dataset, const AlignedKeyframes& aligned,
+                        const AdjustedPart& part, const MappingGateOptions& mapping,
+                        const PoseGateOptions& poses, const AdjustmentGateOptions& adjustment,
+                        const CalibrationGateOptions& calibration) {
+  GateInputs inputs{dataset.rig, part.odometry, part.adjustment, part.trajectory, &aligned};
+  inputs.positions_known = part.KnowsPositions();
   return ReportPart(inputs, {mapping, poses, adjustment, calibration, {}});
 }
 
@@ -136,6 +149,13 @@ AdjustedGatesCheck AdjustedGates() {
           .code = CodeHere(),
           .make = JudgeAdjusted,
           .about = "whether the result contradicts itself"};
+}
+
+FreeCameraGatesCheck FreeCameraGates() {
+  return {.name = "gates",
+          .code = CodeHere(),
+          .make = JudgeFreeCameras,
+          .about = "the gates that apply to cameras posed apart from each other"};
 }
 
 OdometricGatesCheck OdometricGates() {

@@ -13,9 +13,15 @@
 namespace rigmap {
 
 using AdjustedGatesCheck = Check<
-    Takes<Dataset, FeatureIndex, KeyframeGraph, AlignedKeyframes, AdjustedPart>,
+    Takes<Dataset, FeatureIndex, AlignedKeyframes, AdjustedPart>,
     Reads<MappingGateOptions, PoseGateOptions, AdjustmentGateOptions, CalibrationGateOptions>>;
 AdjustedGatesCheck AdjustedGates();
+
+// Without an odometry to agree with, nor keypoints of rigmap's.
+using FreeCameraGatesCheck = Check<
+    Takes<Dataset, AlignedKeyframes, AdjustedPart>,
+    Reads<MappingGateOptions, PoseGateOptions, AdjustmentGateOptions, CalibrationGateOptions>>;
+FreeCameraGatesCheck FreeCameraGates();
 
 // What of these applies to poses that nothing adjusted.
 using OdometricGatesCheck = Check<

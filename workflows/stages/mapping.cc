@@ -75,9 +75,13 @@ MeasuredModels MakeModels(const StageContext& context, const ColmapInstallation&
                           const VerificationOptions& verification, const ScaleOptions& scale,
                           const MappingGateOptions& gates) {
   const fs::path models = context.publication->Path("colmap/models");
-  if (graph.keyframes.size() < kMinMappedKeyframes) {
+  const bool too_few = graph.keyframes.size() < kMinMappedKeyframes;
+  if (too_few || ways.planned == MappingMethod::kNone) {
+    fs::remove_all(models);
     fs::create_directories(models);
-    return {{{}, std::nullopt, {"fewer than three keyframes: nothing to map"}}, {}};
+    MappingResult nothing{{}, MappingMethod::kNone, {}};
+    if (too_few) nothing.remarks = {"fewer than three keyframes: nothing to map"};
+    return {std::move(nothing), {}};
   }
   const GraphWithPoses input{graph, matches, dataset.rig, OdometricPoses(odometry, graph)};
   return MapInTurn({context, colmap, input, options, verification, scale, gates}, ways, models);

@@ -9,6 +9,7 @@ namespace {
 
 AlignedKeyframes MakeScale(const StageContext&, const Odometry& odometry,
                            const KeyframeGraph& graph, const MeasuredModels& measured) {
+  if (measured.mapped.method == MappingMethod::kNone) return {};
   return AlignModels(measured.mapped.models, measured.scales, OdometricPoses(odometry, graph));
 }
 
@@ -32,12 +33,16 @@ Report DescribeScale(const AlignedKeyframes& aligned) {
 
 Report ReportScale(const AlignedKeyframes& aligned, const Odometry&, const KeyframeGraph&,
                    const MeasuredModels&) {
+  return ReportAligned(aligned);
+}
+
+}  // namespace
+
+Report ReportAligned(const AlignedKeyframes& aligned) {
   const auto registered = std::ranges::count_if(aligned.world_from_left,
                                                 [](const auto& pose) { return pose.has_value(); });
   return {{"frames", {{"registered", registered}}}, {"scale", DescribeScale(aligned)}};
 }
-
-}  // namespace
 
 ScaleStage Scale() {
   return {.name = "scale",

@@ -9,4 +9,7 @@ namespace rigmap {
 using ScaleStage = Stage<AlignedKeyframes, Takes<Odometry, KeyframeGraph, MeasuredModels>, Reads<>>;
 ScaleStage Scale();
 
+// What summary.json says of keyframes that got their metres from left-right distances.
+Report ReportAligned(const AlignedKeyframes& aligned);
+
 }  // namespace rigmap

@@ -1,0 +1,78 @@
+#include "scale/free_camera_poses.h"
+
+#include <map>
+#include <vector>
+
+#include "scale/baseline_scale.h"
+
+namespace rigmap {
+namespace {
+
+// model_from_camera of a frame's images.
+struct Eyes {
+  std::optional<Rigid3> left, right;
+};
+
+std::map<int, Eyes> EyesOf(const SparseModel& model) {
+  std::map<int, Eyes> frames;
+  for (const SparseImage& image : model.images) {
+    Eyes& eyes = frames[image.ref.frame];
+    (image.ref.eye == Eye::kLeft ? eyes.left : eyes.right) = image.camera_from_model.Inverse();
+  }
+  return frames;
+}
+
+double MeanDistance(const std::map<int, Eyes>& frames, const std::vector<int>& pairs) {
+  double sum = 0.0;
+  for (const int frame : pairs) {
+    const Eyes& eyes = frames.at(frame);
+    sum += (eyes.right->translation - eyes.left->translation).norm();
+  }
+  return sum / static_cast<double>(pairs.size());
+}
+
+// model_from_left in metres: the model's camera, its centre scaled.
+Rigid3 InMetres(const Rigid3& model_from_camera, double metres_per_unit) {
+  return {model_from_camera.rotation, metres_per_unit * model_from_camera.translation};
+}
+
+// The rig's left camera, from what its two cameras say.
+Rigid3 LeftOf(const Eyes& eyes, const StereoRig& rig, double metres_per_unit) {
+  if (!eyes.right) return InMetres(*eyes.left, metres_per_unit);
+  const Rigid3 by_right = InMetres(*eyes.right, metres_per_unit) * rig.right_from_left;
+  if (!eyes.left) return by_right;
+  const Rigid3 left = InMetres(*eyes.left, metres_per_unit);
+  const Eigen::Vector3d midpoint =
+      0.5 * (left.translation + metres_per_unit * eyes.right->translation);
+  const Eigen::Quaterniond rotation = left.rotation.slerp(0.5, by_right.rotation);
+  const Eigen::Vector3d midpoint_in_left = 0.5 * rig.right_from_left.Inverse().translation;
+  return {rotation, midpoint - rotation * midpoint_in_left};
+}
+
+}  // namespace
+
+AlignedKeyframes PoseFreeCameras(const std::vector<SparseModel>& models, int frame_count,
+                                 const StereoRig& rig, const ScaleOptions& options) {
+  AlignedKeyframes aligned;
+  aligned.world_from_left.resize(frame_count);
+  const ModelScales scales = MeasureBaselines(models, rig.Baseline(), options);
+  // Nothing says how a second model lies to the first.
+  for (std::size_t m = 0; m < models.size() && aligned.models.empty(); ++m) {
+    if (!scales[m]) continue;
+    const auto frames = EyesOf(models[m]);
+    AlignedModel laid{.model = static_cast<int>(m), .scale = *scales[m]};
+    const double metres_per_unit = rig.Baseline() / MeanDistance(frames, scales[m]->pairs_used);
+    laid.scale.metres_per_model_unit = metres_per_unit;
+    const Rigid3 world_from_metric = LeftOf(frames.begin()->second, rig, metres_per_unit).Inverse();
+    laid.world_from_model = {metres_per_unit, world_from_metric.rotation,
+                             world_from_metric.translation};
+    for (const auto& [frame, eyes] : frames) {
+      aligned.world_from_left[frame] = world_from_metric * LeftOf(eyes, rig, metres_per_unit);
+      laid.keyframes.push_back(frame);
+    }
+    aligned.models.push_back(std::move(laid));
+  }
+  return aligned;
+}
+
+}  // namespace rigmap

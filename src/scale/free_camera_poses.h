@@ -1,0 +1,21 @@
+// Metres for models of free cameras.
+#pragma once
+
+#include <optional>
+
+#include "scale/scale_options.h"
+#include "scene/aligned_keyframes.h"
+#include "scene/rig.h"
+#include "scene/sparse_model.h"
+
+namespace rigmap {
+
+// The frames of a model whose left and right cameras were posed apart from each other. Its scale is
+// the rig's baseline over the mean left-right distance, outliers rejected. A frame's rig stands
+// where the midpoint between its two cameras is, turned as their mean; a frame of which only one
+// image was registered follows that camera. The world is the rig's left camera of the first frame.
+// Nothing of it where no frame has both.
+AlignedKeyframes PoseFreeCameras(const std::vector<SparseModel>& models, int frame_count,
+                                 const StereoRig& rig, const ScaleOptions& options);
+
+}  // namespace rigmap

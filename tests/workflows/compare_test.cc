@@ -1,0 +1,88 @@
+// `rigmap compare` on the simulated part.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "core/file.h"
+#include "tests/support/temporary_folder.h"
+#include "tests/workflows/rigmap_program.h"
+
+namespace rigmap {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+using testing::HasSubstr;
+
+class CompareTest : public testing::Test {
+ protected:
+  ProgramEnd Compare(const std::vector<std::string>& more) {
+    std::vector<std::string> arguments{"compare",
+                                       "--dataset",
+                                       SimulatedPartFolder(),
+                                       "--truth",
+                                       SimulatedPartFolder() / "groundtruth_tum.txt",
+                                       "--out",
+                                       out_,
+                                       "--quiet"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return RunRigmap(arguments);
+  }
+  json Rows() const { return json::parse(ReadTextFile(out_ / "comparison.json"))["rows"]; }
+
+  TemporaryFolder folder_;
+  fs::path out_ = folder_.Path() / "comparison";
+};
+
+TEST_F(CompareTest, SetsTechniquesAndSettingsSideBySideAndGoesOnFromWhatIsThere) {
+  const ProgramEnd vo = Compare({"--techniques", "vo"});
+  ASSERT_EQ(vo.exit_code, 0) << vo.err;
+  ASSERT_EQ(Rows().size(), 1U);
+  const double seconds = Rows()[0]["seconds"];
+  EXPECT_LT(Rows()[0]["ate_se3_pct"], 1.0);
+
+  // The mapping of one row is refused to COLMAP: that is a row, too.
+  const ProgramEnd both = Compare(
+      {"--techniques", "vo,colmap", "--sweep", "mapping.method=seeded,none", "--repeat", "1"});
+  ASSERT_EQ(both.exit_code, 0) << both.err;
+  const json rows = Rows();
+  ASSERT_EQ(rows.size(), 5U);  // colmap twice; vo as before and with both settings
+  EXPECT_EQ(rows[0]["technique"], "colmap");
+  EXPECT_EQ(rows[0]["setting"], "mapping.method=none");
+  EXPECT_EQ(rows[0]["exit"], 2);
+  EXPECT_THAT(rows[0]["reason"].get<std::string>(), HasSubstr("mapping.method"));
+  EXPECT_EQ(rows[1]["setting"], "mapping.method=seeded");
+  EXPECT_EQ(rows[1]["exit"], 0);
+  EXPECT_LT(rows[1]["ate_se3_pct"], 1.0);
+  EXPECT_EQ(rows[2]["technique"], "vo");
+  // What the first run has found is not found anew, and its time is still told.
+  EXPECT_EQ(rows[2]["seconds"], seconds);
+  EXPECT_EQ(rows[3]["ate_se3_pct"], rows[2]["ate_se3_pct"]);
+  EXPECT_THAT(both.out, HasSubstr("0/0/1"));
+  EXPECT_TRUE(fs::exists(out_ / "comparison.csv"));
+
+  // Results that lie anywhere can be compared as well.
+  const fs::path run = out_ / "runs" / SimulatedPartFolder().filename() / "vo" / "0";
+  const ProgramEnd stored = RunRigmap({"compare", run, "--out", folder_.Path() / "stored"});
+  ASSERT_EQ(stored.exit_code, 0) << stored.err;
+  EXPECT_THAT(stored.out, HasSubstr("vo"));
+}
+
+TEST_F(CompareTest, KnowsBeforeTheFirstRunWhatCannotBe) {
+  const std::vector<std::pair<std::vector<std::string>, std::string>> wrong{
+      {{"--techniques", "vo,magic"}, "'magic'"},
+      {{"--techniques", "vo", "--sweep", "mapping.methd=none"}, "methd"},
+      {{"--techniques", "vo", "--sweep", "mapping.method"}, "--sweep"},
+      {{"--techniques", "vo", "--repeat", "0"}, "--repeat"}};
+  for (const auto& [arguments, word] : wrong) {
+    const ProgramEnd end = Compare(arguments);
+    EXPECT_EQ(end.exit_code, 2) << word;
+    EXPECT_THAT(end.LastErrorLine(), HasSubstr(word));
+    EXPECT_FALSE(fs::exists(out_)) << word;
+  }
+  EXPECT_EQ(RunRigmap({"compare", "--out", out_}).exit_code, 2);
+}
+
+}  // namespace
+}  // namespace rigmap

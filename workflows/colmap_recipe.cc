@@ -1,0 +1,35 @@
+#include "core/error.h"
+#include "workflows/mapping_recipe.h"
+#include "workflows/recipes.h"
+#include "workflows/stages/gates.h"
+#include "workflows/stages/mapped_part.h"
+#include "workflows/surface_recipe.h"
+
+namespace rigmap {
+
+StageGraph ColmapRecipe(const Dataset& data, const DatasetContent& data_content,
+                        const PartOptions& o) {
+  if (o.mapping.method == MappingMethod::kNone) {
+    throw UsageError("mapping.method: expected a way to map for the technique colmap, found none");
+  }
+  StageGraph g;
+  const auto [dataset, content, truth, colmap] = AddPartInputs(g, data, data_content, o.colmap);
+
+  // verified correspondences -> COLMAP's database -> poses in COLMAP's gauge -> metres
+  const auto keyframes = AddMappedKeyframes(g, o, {dataset, content, colmap});
+
+  // laid into the world as they are
+  const auto part = g.AddStage(MappedTrajectory(), Reading(), dataset, keyframes.odometry,
+                               keyframes.graph, keyframes.models, keyframes.aligned);
+  const auto gates =
+      g.AddCheck(AdjustedGates(),
+                 Reading(o.gates.mapping, o.gates.poses, o.gates.adjustment, o.gates.calibration),
+                 dataset, keyframes.found, keyframes.aligned, part);
+  const auto posed = g.AddView(PosedByAdjustment, dataset, part);
+
+  // depth of the keyframes, fused on the poses -> coloured map, judged
+  AddSurface(g, o, {dataset, content, truth, keyframes.found, posed, gates});
+  return g;
+}
+
+}  // namespace rigmap

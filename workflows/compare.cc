@@ -1,0 +1,224 @@
+#include "workflows/compare.h"
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <tuple>
+
+#include "core/error.h"
+#include "core/file.h"
+#include "workflows/comparison.h"
+#include "workflows/reconstruct_part.h"
+
+namespace rigmap {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Run {
+  RunName name;
+  Technique technique = Technique::kRig;
+  PartOptions options;
+  fs::path out;
+
+  // The row, kept beside the folder.
+  fs::path RowFile() const { return out.string() + ".json"; }
+};
+
+// COLMAP samples at random; all else gives equal results for equal data.
+bool HasChance(Technique technique) {
+  return technique == Technique::kRig || technique == Technique::kColmap ||
+         technique == Technique::kSfm || technique == Technique::kCombined;
+}
+
+std::string PartName(const DatasetRequest& dataset) {
+  fs::path folder = fs::absolute(dataset.folder).lexically_normal();
+  if (!folder.has_filename()) folder = folder.parent_path();
+  std::string name = folder.filename().string();
+  if (dataset.traverse) name += fmt::format("-traverse{}", *dataset.traverse);
+  if (dataset.part) name += fmt::format("-part{}", *dataset.part);
+  if (dataset.frames) {
+    name += fmt::format("-frames{}-{}", dataset.frames->first, dataset.frames->second);
+  }
+  return name;
+}
+
+// Every combination of the sweeps' values, as assignments; one without any if there is no sweep.
+std::vector<std::vector<std::string>> Settings(const std::vector<Sweep>& sweeps) {
+  std::vector<std::vector<std::string>> settings{{}};
+  for (const Sweep& sweep : sweeps) {
+    std::vector<std::vector<std::string>> longer;
+    for (const auto& setting : settings) {
+      for (const std::string& value : sweep.values) {
+        longer.push_back(setting);
+        longer.back().push_back(sweep.option + "=" + value);
+      }
+    }
+    settings = std::move(longer);
+  }
+  return settings;
+}
+
+std::vector<Run> PlanRuns(const CompareRequest& request) {
+  const std::string part = PartName(request.part->dataset);
+  std::vector<Run> runs;
+  for (const Technique technique : request.techniques) {
+    for (const auto& setting : Settings(request.sweeps)) {
+      const int repeats = HasChance(technique) ? request.repeats : 1;
+      for (int repeat = 0; repeat < repeats; ++repeat) {
+        Run run{
+            .name = {part, NameOf(technique), fmt::format("{}", fmt::join(setting, " ")), repeat},
+            .technique = technique};
+        std::vector<std::string> assignments = request.assignments;
+        for (const char* seed : {"mapping.random_seed", "sfm.random_seed"}) {
+          if (repeat > 0) assignments.push_back(fmt::format("{}={}", seed, repeat));
+        }
+        assignments.insert(assignments.end(), setting.begin(), setting.end());
+        run.options = LoadPartOptions(request.config, assignments);
+        run.options.gates.poses.accuracy_pct = request.part->options.gates.poses.accuracy_pct;
+        const std::string label = setting.empty()
+                                      ? run.name.technique
+                                      : fmt::format("{} {}", run.name.technique, run.name.setting);
+        run.out = request.out / "runs" / part / label / std::to_string(repeat);
+        runs.push_back(std::move(run));
+      }
+    }
+  }
+  return runs;
+}
+
+bool IsResult(const fs::path& folder) { return fs::exists(folder / ".dataset"); }
+
+// A result of the same part to begin from: one by the same technique, else any.
+std::optional<fs::path> FindDonor(const Run& run) {
+  std::optional<fs::path> donor;
+  const fs::path part = run.out.parent_path().parent_path();
+  if (!fs::exists(part)) return donor;
+  for (const auto& label : fs::directory_iterator(part)) {
+    for (const auto& folder : fs::directory_iterator(label)) {
+      if (!IsResult(folder)) continue;
+      const bool alike = label.path().filename().string().starts_with(run.name.technique);
+      if (!donor || alike) donor = folder.path();
+      if (alike) return donor;
+    }
+  }
+  return donor;
+}
+
+// What another run of the part has found need not be found again: a new run begins with its stages,
+// and takes up those that hold for it, with the time that they took when they were made.
+void BeginWithStagesOf(const fs::path& donor, const fs::path& out) {
+  const fs::path whole = out.string() + ".new";
+  fs::remove_all(whole);
+  fs::create_directories(whole);
+  constexpr auto kCopy = fs::copy_options::recursive | fs::copy_options::copy_symlinks;
+  for (const char* name : {".dataset", "stages", "colmap"}) {
+    if (fs::exists(donor / name)) fs::copy(donor / name, whole / name, kCopy);
+  }
+  fs::rename(whole, out);
+}
+
+ComparisonRow Do(const Run& run, const PartRequest& part) {
+  PartRequest request = part;
+  request.technique = run.technique;
+  request.options = run.options;
+  request.out = run.out;
+  try {
+    ReconstructPart(request);
+    return MakeRow(run.name, run.out);
+  } catch (const UsageError& error) {
+    return MakeFailedRow(run.name, 2, error.what());
+  } catch (const std::exception& error) {
+    return MakeFailedRow(run.name, 1, error.what());
+  }
+}
+
+void DoAll(const CompareRequest& request) {
+  const std::vector<Run> runs = PlanRuns(request);
+  for (std::size_t i = 0; i < runs.size(); ++i) {
+    const Run& run = runs[i];
+    if (!request.part->quiet)
+      spdlog::info("run {} of {}: {}", i + 1, runs.size(), run.out.string());
+    fs::create_directories(run.out.parent_path());
+    if (!fs::exists(run.out)) {
+      if (const auto donor = FindDonor(run)) BeginWithStagesOf(*donor, run.out);
+    }
+    const ComparisonRow row = Do(run, *request.part);
+    if (row["status"] != "ok") {
+      spdlog::warn("{} {}: {}", run.name.technique, row["status"].get<std::string>(),
+                   row["reason"].is_string() ? row["reason"].get<std::string>() : "");
+    }
+    WriteFileAtomically(run.RowFile(),
+                        [&](std::ostream& stream) { stream << row.dump(1) << "\n"; });
+  }
+}
+
+// Where a technique stands among all; those of other releases last.
+std::size_t OrderOf(const std::string& technique) {
+  constexpr auto kNames = NamesOf(Technique{});
+  return static_cast<std::size_t>(std::ranges::find(kNames, technique) - kNames.begin());
+}
+
+// Of every run below out/runs, whichever call of compare has made it.
+std::vector<ComparisonRow> StoredRows(const fs::path& out) {
+  std::vector<ComparisonRow> rows;
+  for (const auto& entry : fs::recursive_directory_iterator(out / "runs")) {
+    if (entry.path().extension() != ".json" || !entry.is_regular_file()) continue;
+    if (std::distance(out.begin(), out.end()) + 4 !=
+        std::distance(entry.path().begin(), entry.path().end())) {
+      continue;  // of a run's own folder
+    }
+    rows.push_back(ComparisonRow::parse(ReadTextFile(entry.path())));
+  }
+  std::ranges::sort(rows, {}, [](const ComparisonRow& row) {
+    return std::tuple(row["part"].get<std::string>(), OrderOf(row["technique"]),
+                      row["setting"].get<std::string>(), row["repeat"].get<int>());
+  });
+  return rows;
+}
+
+std::vector<ComparisonRow> RowsOf(const std::vector<fs::path>& outs) {
+  std::vector<ComparisonRow> rows;
+  for (const fs::path& out : outs) {
+    ComparisonRow row = MakeRow({.part = out.lexically_normal().string()}, out);
+    const auto summary = nlohmann::json::parse(ReadTextFile(out / "summary.json"));
+    row["technique"] = summary.value("technique", "rig");
+    rows.push_back(std::move(row));
+  }
+  return rows;
+}
+
+}  // namespace
+
+Sweep ParseSweep(const std::string& text) {
+  const std::size_t equals = text.find('=');
+  Sweep sweep{text.substr(0, equals), {}};
+  std::string rest = equals == std::string::npos ? "" : text.substr(equals + 1);
+  for (std::size_t comma = 0; comma != std::string::npos && !rest.empty();) {
+    comma = rest.find(',');
+    sweep.values.push_back(rest.substr(0, comma));
+    rest = comma == std::string::npos ? "" : rest.substr(comma + 1);
+  }
+  if (sweep.option.find('.') == std::string::npos || sweep.values.empty() ||
+      std::ranges::any_of(sweep.values, &std::string::empty)) {
+    throw UsageError(fmt::format("--sweep: expected stage.option=a,b,c, found '{}'", text));
+  }
+  return sweep;
+}
+
+std::string Compare(const CompareRequest& request) {
+  if (request.part) DoAll(request);
+  const auto rows = request.part ? StoredRows(request.out) : RowsOf(request.outs);
+  const auto comparison = WriteComparison(rows);
+  fs::create_directories(request.out);
+  WriteFileAtomically(request.out / "comparison.json",
+                      [&](std::ostream& stream) { stream << comparison.dump(1) << "\n"; });
+  WriteFileAtomically(request.out / "comparison.csv",
+                      [&](std::ostream& stream) { stream << WriteComparisonCsv(rows); });
+  return FormatComparison(comparison);
+}
+
+}  // namespace rigmap

@@ -1,0 +1,302 @@
+#include "workflows/comparison.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <functional>
+#include <map>
+
+#include "core/error.h"
+#include "core/file.h"
+#include "core/statistics.h"
+
+namespace rigmap {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using Pointer = nlohmann::json_pointer<std::string>;
+
+// Where evaluation.json has the numbers of a row.
+struct Source {
+  const char* name;
+  const char* pointer;
+};
+constexpr std::array kEvaluated{
+    Source{"path_m", "/path_m"},
+    Source{"ate_se3_m", "/ate_se3_m"},
+    Source{"ate_se3_pct", "/ate_se3_pct"},
+    Source{"scale", "/scale"},
+    Source{"scale_error_pct", "/scale_error_pct"},
+    Source{"height_rms_m", "/drift/height_rms_m"},
+    Source{"height_drift_pct", "/drift/height_drift_pct"},
+    Source{"f_1cm_within_1.5m", "/map/within_1.5m/f_1cm"},
+    Source{"f_1cm_within_2.5m", "/map/within_2.5m/f_1cm"},
+    Source{"f_1cm_within_3.5m", "/map/within_3.5m/f_1cm"},
+    Source{"f_5cm_within_3.5m", "/map/within_3.5m/f_5cm"},
+    Source{"rocks_found", "/rocks/found"},
+    Source{"rock_shift_mm", "/rocks/shift_max_mm"},
+    Source{"rock_stretch", "/rocks/stretch_max_off"},
+    Source{"rock_top_mm", "/rocks/top_max_mm"},
+    Source{"rock_ghosts_pct", "/rocks/ghost_max_pct"},
+    Source{"rtk_rms_m", "/rtk/rms_m"},
+    Source{"odometry_ate_pct", "/steps/odometry/ate_se3_pct"},
+    Source{"odometry_scale_error_pct", "/steps/odometry/scale_error_pct"},
+    Source{"mapping_ate_pct", "/steps/mapping/ate_se3_pct"},
+    Source{"mapping_scale_error_pct", "/steps/mapping/scale_error_pct"}};
+constexpr std::array kDriftLengths{5, 10, 25, 50, 100};
+
+// Columns that tell rows apart or are words.
+const std::array<std::string, 8> kWords{"part", "technique", "setting", "repeat",
+                                        "exit", "status",    "reason",  "verdict"};
+
+bool IsNumber(const std::string& column) {
+  return std::ranges::find(kWords, column) == kWords.end();
+}
+
+Json Start(const RunName& name) {
+  return {{"part", name.part},
+          {"technique", name.technique},
+          {"setting", name.setting},
+          {"repeat", name.repeat}};
+}
+
+Json At(const Json& json, const std::string& pointer) {
+  const Pointer where(pointer);
+  return json.contains(where) ? json.at(where) : Json(nullptr);
+}
+
+Json ParseFile(const std::filesystem::path& path) {
+  try {
+    return Json::parse(ReadTextFile(path));
+  } catch (const nlohmann::json::exception&) {
+    throw DataError(fmt::format("{}: expected JSON, found something else", path.string()));
+  }
+}
+
+void PutEvaluation(const Json& evaluation, Json& row) {
+  for (const Source& source : kEvaluated) row[source.name] = At(evaluation, source.pointer);
+  for (const int length_m : kDriftLengths) {
+    Json& cell = row[fmt::format("drift_{}m_pct", length_m)] = nullptr;
+    for (const Json& drift : At(evaluation, "/drift/segments")) {
+      if (drift.at("segment_m") == length_m) cell = drift.at("rpe_t_pct");
+    }
+  }
+}
+
+// Share of the frames whose pose is more than a prediction.
+Json Coverage(const Json& summary) {
+  const Json paired = At(summary, "/frames/paired"),
+             guessed = At(summary, "/verdict/known/guessed");
+  if (!paired.is_number() || !guessed.is_array() || paired == 0) return nullptr;
+  double count = 0.0;
+  for (const Json& range : guessed) count += range.at(1).get<double>() - range.at(0).get<double>();
+  return 100.0 * (1.0 - count / paired.get<double>());
+}
+
+void PutCost(const Json& summary, Json& row) {
+  double seconds = 0.0, peak_mb = 0.0;
+  for (const Json& stage : summary.at("stages")) {
+    seconds += stage.at("seconds").get<double>();
+    peak_mb = std::max(peak_mb, stage.at("peak_rss_mb").get<double>());
+  }
+  const Json paired = At(summary, "/frames/paired");
+  row["seconds"] = seconds;
+  row["seconds_per_pair"] =
+      paired.is_number() && paired > 0 ? Json(seconds / paired.get<double>()) : Json(nullptr);
+  row["peak_rss_mb"] = peak_mb;
+}
+
+int ExitCodeOf(const std::string& status) {
+  return status == "untrusted" ? 3 : status == "failed" ? 1 : 0;
+}
+
+// Part, technique and setting: what repeats have in common.
+std::string GroupOf(const Json& row) {
+  return fmt::format("{}\n{}\n{}", row.at("part").get<std::string>(),
+                     row.at("technique").get<std::string>(), row.at("setting").get<std::string>());
+}
+
+std::vector<double> NumbersOf(const std::vector<const Json*>& rows, const std::string& column) {
+  std::vector<double> numbers;
+  for (const Json* row : rows) {
+    if (row->contains(column) && (*row)[column].is_number()) numbers.push_back((*row)[column]);
+  }
+  return numbers;
+}
+
+std::vector<std::string> ColumnsOf(const std::vector<ComparisonRow>& rows) {
+  std::vector<std::string> columns;
+  for (const Json& row : rows) {
+    for (const auto& [name, value] : row.items()) {
+      if (std::ranges::find(columns, name) == columns.end()) columns.push_back(name);
+    }
+  }
+  return columns;
+}
+
+Json MedianOfGroup(const std::vector<const Json*>& rows, const std::vector<std::string>& columns) {
+  Json medians = {{"part", rows.front()->at("part")},
+                  {"technique", rows.front()->at("technique")},
+                  {"setting", rows.front()->at("setting")},
+                  {"runs", rows.size()}};
+  for (const char* status : {"ok", "untrusted", "failed"}) {
+    medians[status] =
+        std::ranges::count_if(rows, [&](const Json* row) { return row->at("status") == status; });
+  }
+  for (const std::string& column : columns) {
+    if (!IsNumber(column)) continue;
+    std::vector<double> numbers = NumbersOf(rows, column);
+    if (numbers.empty()) {
+      medians[column] = nullptr;
+      continue;
+    }
+    const auto [least, most] = std::ranges::minmax(numbers);
+    medians[column] = {{"median", Median(std::move(numbers))}, {"spread", most - least}};
+  }
+  return medians;
+}
+
+std::string CsvCell(const Json& value) {
+  if (value.is_null()) return "";
+  if (!value.is_string()) return value.dump();
+  std::string text = value;
+  for (std::size_t i = 0; (i = text.find('"', i)) != std::string::npos; i += 2) {
+    text.insert(i, 1, '"');
+  }
+  return fmt::format("\"{}\"", text);
+}
+
+// A column of the table for people.
+struct Column {
+  std::string heading;
+  std::function<std::string(const Json& medians)> text;
+};
+
+Column Figure(const std::string& heading, const std::string& name, int decimals) {
+  return {heading, [=](const Json& medians) {
+            if (!medians.contains(name) || !medians[name].is_object()) return std::string("-");
+            const double spread = medians[name]["spread"];
+            const std::string median =
+                fmt::format("{:.{}f}", medians[name]["median"].get<double>(), decimals);
+            return spread > 0.0 ? fmt::format("{}±{:.{}f}", median, 0.5 * spread, decimals)
+                                : median;
+          }};
+}
+
+Column Word(const std::string& heading, const std::string& name) {
+  return {heading, [=](const Json& medians) { return medians.at(name).get<std::string>(); }};
+}
+
+// Characters on a terminal, of UTF-8.
+std::size_t Width(const std::string& text) {
+  return static_cast<std::size_t>(std::ranges::count_if(
+      text, [](char c) { return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U; }));
+}
+
+}  // namespace
+
+ComparisonRow MakeRow(const RunName& name, const std::filesystem::path& out) {
+  const auto path = out / "summary.json";
+  if (!std::filesystem::exists(path)) {
+    throw DataError(
+        fmt::format("{}: expected the results of a run, found no summary.json", out.string()));
+  }
+  const Json summary = ParseFile(path);
+  Json row = Start(name);
+  try {
+    const std::string status = summary.at("status");
+    row["exit"] = ExitCodeOf(status);
+    row["status"] = status;
+    row["reason"] = summary.at("reason");
+    row["verdict"] = At(summary, "/verdict/text");
+    row["frames"] = At(summary, "/frames/paired");
+    row["coverage_pct"] = Coverage(summary);
+    row["scale_95_pct"] = At(summary, "/verdict/scale_95_pct");
+    row["position_95_m"] = At(summary, "/verdict/position_95_m");
+    PutCost(summary, row);
+    const auto evaluation = out / "evaluation.json";
+    PutEvaluation(std::filesystem::exists(evaluation) ? ParseFile(evaluation) : Json::object(),
+                  row);
+  } catch (const nlohmann::json::exception&) {
+    throw DataError(
+        fmt::format("{}: expected the summary of a run, found something else", path.string()));
+  }
+  return row;
+}
+
+ComparisonRow MakeFailedRow(const RunName& name, int exit_code, const std::string& reason) {
+  Json row = Start(name);
+  row["exit"] = exit_code;
+  row["status"] = "failed";
+  row["reason"] = reason;
+  return row;
+}
+
+Json WriteComparison(const std::vector<ComparisonRow>& rows) {
+  std::vector<std::string> order;
+  std::map<std::string, std::vector<const Json*>> groups;
+  for (const Json& row : rows) {
+    auto& group = groups[GroupOf(row)];
+    if (group.empty()) order.push_back(GroupOf(row));
+    group.push_back(&row);
+  }
+  const std::vector<std::string> columns = ColumnsOf(rows);
+  Json comparison = {{"rows", rows}, {"medians", Json::array()}};
+  for (const std::string& group : order) {
+    comparison["medians"].push_back(MedianOfGroup(groups.at(group), columns));
+  }
+  return comparison;
+}
+
+std::string WriteComparisonCsv(const std::vector<ComparisonRow>& rows) {
+  const std::vector<std::string> columns = ColumnsOf(rows);
+  std::string text = fmt::format("{}\n", fmt::join(columns, ","));
+  for (const Json& row : rows) {
+    std::vector<std::string> cells;
+    for (const std::string& column : columns) {
+      cells.push_back(row.contains(column) ? CsvCell(row[column]) : "");
+    }
+    text += fmt::format("{}\n", fmt::join(cells, ","));
+  }
+  return text;
+}
+
+std::string FormatComparison(const Json& comparison) {
+  const std::vector<Column> columns{Word("part", "part"),
+                                    Word("technique", "technique"),
+                                    Word("setting", "setting"),
+                                    {"ok/no/failed",
+                                     [](const Json& medians) {
+                                       return fmt::format("{}/{}/{}", medians["ok"].get<int>(),
+                                                          medians["untrusted"].get<int>(),
+                                                          medians["failed"].get<int>());
+                                     }},
+                                    Figure("posed %", "coverage_pct", 0),
+                                    Figure("ATE m", "ate_se3_m", 4),
+                                    Figure("ATE %", "ate_se3_pct", 4),
+                                    Figure("scale %", "scale_error_pct", 3),
+                                    Figure("says %", "scale_95_pct", 2),
+                                    Figure("height m", "height_rms_m", 4),
+                                    Figure("10 m %", "drift_10m_pct", 3),
+                                    Figure("F 1 cm", "f_1cm_within_1.5m", 3),
+                                    Figure("rock mm", "rock_shift_mm", 1),
+                                    Figure("s/pair", "seconds_per_pair", 2),
+                                    Figure("peak MB", "peak_rss_mb", 0)};
+  const Json& medians = comparison.at("medians");
+  std::vector<std::string> lines(medians.size() + 1);
+  for (const Column& column : columns) {
+    std::vector<std::string> cells{column.heading};
+    for (const Json& row : medians) cells.push_back(column.text(row));
+    std::size_t width = 0;
+    for (const std::string& cell : cells) width = std::max(width, Width(cell));
+    for (std::size_t i = 0; i < cells.size(); ++i) {
+      lines[i] += cells[i] + std::string(width - Width(cells[i]) + 2, ' ');
+    }
+  }
+  for (std::string& line : lines) line.erase(line.find_last_not_of(' ') + 1);
+  return fmt::format("{}\n", fmt::join(lines, "\n"));
+}
+
+}  // namespace rigmap

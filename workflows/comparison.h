@@ -1,0 +1,35 @@
+// Results as rows of a comparison.
+#pragma once
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+namespace rigmap {
+
+// What tells one run from the others.
+struct RunName {
+  std::string part, technique;
+  std::string setting;  // "stage.option=value ...", empty: as configured
+  int repeat = 0;
+};
+
+using ComparisonRow = nlohmann::ordered_json;
+
+// From what `rigmap part` has left in `out`: summary.json, evaluation.json. Numbers that do not
+// exist are null. Where the run could not be done, its exit code and the reason. Throws DataError
+// where `out` holds no summary.
+ComparisonRow MakeRow(const RunName& name, const std::filesystem::path& out);
+// Of a run that ended before it left a summary.
+ComparisonRow MakeFailedRow(const RunName& name, int exit_code, const std::string& reason);
+
+// {"rows": [...], "medians": [...]}: of the rows that are alike but for their repeat the median and
+// the spread (largest less smallest) of each number.
+nlohmann::ordered_json WriteComparison(const std::vector<ComparisonRow>& rows);
+// A line per row, with a heading; empty cells for null.
+std::string WriteComparisonCsv(const std::vector<ComparisonRow>& rows);
+// For people: the medians that matter most, "median +- half the spread" where runs differ.
+std::string FormatComparison(const nlohmann::ordered_json& comparison);
+
+}  // namespace rigmap

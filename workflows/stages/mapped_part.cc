@@ -1,0 +1,51 @@
+#include "workflows/stages/mapped_part.h"
+
+#include "pipeline/code_identity.h"
+#include "scale/metric_models.h"
+#include "workflows/stages/sparse_output.h"
+#include "workflows/stages/trajectory.h"
+#include "workflows/stages/trajectory_output.h"
+
+namespace rigmap {
+namespace {
+
+AdjustedPart MakeMapped(const StageContext&, const Dataset& dataset, const Odometry& odometry,
+                        const KeyframeGraph& graph, const MeasuredModels& measured,
+                        const AlignedKeyframes& aligned) {
+  std::vector<int> frames;
+  for (const GraphKeyframe& keyframe : graph.keyframes) frames.push_back(keyframe.frame);
+  return LayInWorld(dataset, odometry,
+                    InMetres(measured.mapped.models, aligned, frames,
+                             static_cast<int>(odometry.size()), dataset.rig));
+}
+
+void PublishMapped(Publication& publication, const StageContext&, const AdjustedPart& part,
+                   const Dataset& dataset, const Odometry&, const KeyframeGraph&,
+                   const MeasuredModels&, const AlignedKeyframes&) {
+  PublishSparse(MakeSparseOutput(dataset, part.adjustment, part.world_from_gauge), dataset,
+                publication);
+  PublishTrajectory(part.adjustment.rig, part.trajectory, publication);
+}
+
+Report ReportMapped(const AdjustedPart& part, const Dataset&, const Odometry&, const KeyframeGraph&,
+                    const MeasuredModels&, const AlignedKeyframes&) {
+  return ReportTrajectory(part.trajectory, part.world_up);
+}
+
+}  // namespace
+
+MappedPartStage MappedTrajectory() {
+  std::vector<std::string> publishes = kTrajectoryOutputs;
+  publishes.insert(publishes.end(), {"sparse", "sparse.ply"});
+  return {.name = "trajectory",
+          .about =
+              "COLMAP's poses times the baseline, frames between them by the odometry; no "
+              "sigmas",
+          .code = CodeHere(),
+          .make = MakeMapped,
+          .publishes = std::move(publishes),
+          .publish = PublishMapped,
+          .report = ReportMapped};
+}
+
+}  // namespace rigmap

@@ -1,0 +1,64 @@
+#include "workflows/stages/steps.h"
+
+#include "core/file.h"
+#include "export/tum.h"
+#include "pipeline/code_identity.h"
+#include "trajectory/assemble_trajectory.h"
+#include "trajectory/starting_poses.h"
+
+namespace rigmap {
+namespace {
+
+// A pose for every frame where these are known, laid on the final trajectory's first posed frame.
+Trajectory Assemble(const Odometry& odometry, std::vector<std::optional<Rigid3>> known,
+                    const Trajectory& final_trajectory) {
+  Adjustment poses;
+  poses.world_from_left = std::move(known);
+  const int first = FirstPosedFrame(odometry);
+  poses.datum_frames.assign(odometry.size(), first);
+  const Trajectory loose = AssembleTrajectory(odometry, poses, Rigid3());
+  return AssembleTrajectory(
+      odometry, poses,
+      final_trajectory[first].world_from_left * loose[first].world_from_left.Inverse());
+}
+
+Steps MakeSteps(const StageContext&, const Odometry& odometry, const KeyframeGraph& graph,
+                const AlignedKeyframes& aligned, const AdjustedPart& part) {
+  const std::size_t count = odometry.size();
+  Steps steps{
+      {"odometry", Assemble(odometry, std::vector<std::optional<Rigid3>>(count), part.trajectory)}};
+  if (!aligned.models.empty()) {
+    steps.push_back(
+        {kStepNames[1], Assemble(odometry, PosesByFrame(aligned, graph, count), part.trajectory)});
+  }
+  steps.push_back({kStepNames[2], part.trajectory});
+  return steps;
+}
+
+void PublishSteps(Publication& publication, const StageContext&, const Steps& steps,
+                  const Odometry&, const KeyframeGraph&, const AlignedKeyframes&,
+                  const AdjustedPart&) {
+  publication.Folder("steps", [&](const std::filesystem::path& folder) {
+    for (const Step& step : steps) {
+      WriteFileAtomically(folder / (step.name + ".tum"),
+                          [&](std::ostream& stream) { stream << WriteTum(step.trajectory); });
+    }
+  });
+}
+
+}  // namespace
+
+StepsStage TrajectorySteps() {
+  return {.name = "steps",
+          .about =
+              "the trajectory as it was after odometry, after mapping times baseline, and "
+              "after the adjustment",
+          .code = CodeHere(),
+          .make = MakeSteps,
+          .publishes = {"steps"},
+          .publish = PublishSteps};
+}
+
+Steps NoSteps(const StageContext&, const PosedPart&) { return {}; }
+
+}  // namespace rigmap
