@@ -8,6 +8,7 @@
 
 #include "adjustment/adjustment_options.h"
 #include "colmap/installation.h"
+#include "dead_reckoning/dead_reckoning_options.h"
 #include "dense/dense_options.h"
 #include "evaluation/rock_segmentation.h"
 #include "evaluation/rock_survey.h"
@@ -31,6 +32,8 @@ struct PartOptions {
   MaskOptions masks;
   FeatureOptions features;
   OdometryOptions odometry;
+  DeadReckoningOptions dead_reckoning;
+  FilterOptions filter;
   MatchingOptions matching;
   ColmapOptions colmap;
   MappingOptions mapping;

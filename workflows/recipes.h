@@ -20,9 +20,17 @@ StageGraph RigRecipe(const Dataset& dataset, const DatasetContent& content,
 StageGraph VisualOdometryRecipe(const Dataset& dataset, const DatasetContent& content,
                                 const PartOptions& options);
 
+// The rover's wheels, gyro and inclinometer alone; depth maps fused on their poses.
+StageGraph WheelsRecipe(const Dataset& dataset, const DatasetContent& content,
+                        const PartOptions& options);
+
+// These fused with visual odometry by a Kalman filter and smoother.
+StageGraph FilterRecipe(const Dataset& dataset, const DatasetContent& content,
+                        const PartOptions& options);
+
 // As --technique names them.
-enum class Technique { kRig, kVisualOdometry };
-constexpr auto NamesOf(Technique) { return std::array{"rig", "vo"}; }
+enum class Technique { kRig, kVisualOdometry, kWheels, kFilter };
+constexpr auto NamesOf(Technique) { return std::array{"rig", "vo", "wheels", "filter"}; }
 // Throws UsageError listing what there is.
 Technique ParseTechnique(const std::string& name);
 
