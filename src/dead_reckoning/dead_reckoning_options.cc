@@ -35,6 +35,10 @@ OptionFields DeadReckoningOptions::Fields() {
        "unit is screwed on."},
       {"gyro_noise_radps", &gyro_noise_radps, "rad/s/sqrt(Hz)", MoreThan(0.0),
        "Noise density of the gyro. Katwijk's scatters by 0.005 rad/s at 125 Hz, at rest."},
+      {"gyro_driving_noise_radps", &gyro_driving_noise_radps, "rad/s/sqrt(Hz)", MoreThan(0.0),
+       "The same while the rover drives: it shakes, and a camera whose stamps are off by 50 ms, on "
+       "a "
+       "rover that sways by 0.04 rad/s, has turned by 2 mrad in between, anew with each image."},
       {"gyro_bias_sigma_radps", &gyro_bias_sigma_radps, "rad/s", MoreThan(0.0),
        "Sigma of the gyro's bias before the rover has stood still: a tenth of a degree per second, "
        "as data sheets of small units have it once warm."},
@@ -76,9 +80,9 @@ OptionFields FilterOptions::Fields() {
        {},
        "Whether the inclinometer is used, beside which way is up."},
       {"vision_scale_sigma", &vision_scale_sigma, "", MoreThan(0.0),
-       "Sigma of the scale of visual motion that its covariance does not hold, as a share: 0.04 px "
-       "of disparity that all points share at a depth of 7 baselines in 100 px. The sigma of the "
-       "baseline that a rig file states adds to it."},
+       "Sigma of the scale of visual motion that its covariance does not hold, as a share: 0.05 px "
+       "of disparity that all points share, of the 17 px that LocCam sees the ground 6 m ahead with. "
+       "That of the baseline, where the rig file states it, is counted in the verdict."},
       {"max_innovation_sigmas", &max_innovation_sigmas, "sigmas", MoreThan(0.0),
        "Where the wheels' and the images' motion differ by more (root mean square of six numbers) "
        "the wheels slip, or the images mislead: a normal error does so once in a billion."},

@@ -20,6 +20,7 @@ struct DeadReckoningOptions {
   double contact_sigma_m = 0.1;
   double travel_sigma_rad = 0.01;
   double gyro_noise_radps = 0.0005;
+  double gyro_driving_noise_radps = 0.002;
   double gyro_bias_sigma_radps = 0.002;
   double gyro_walk_radps = 0.00001;
   double gyro_scale_sigma = 0.003;
@@ -41,7 +42,7 @@ struct FilterOptions {
   bool use_gyro = true;
   bool use_inclinometer = true;
   double vision_scale_sigma = 0.003;
-  double max_innovation_sigmas = 5.0;
+  double max_innovation_sigmas = 3.0;
   double burst_slip = 1.0;
   double unknown_speed_mps = 0.5;
   double unknown_turn_radps = 0.2;

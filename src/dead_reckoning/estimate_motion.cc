@@ -64,6 +64,7 @@ class Follower {
     for (std::size_t i = 0; i < smoothed.size(); ++i) {
       motion_.poses[i].gauge_from_left = smoothed[i].rover.gauge_from_left;
       motion_.poses[i].covariance = smoothed[i].covariance.topLeftCorner<6, 6>();
+      if (!steps_.empty()) AddVisualScale(motion_.poses[i]);
     }
     const Belief& last = smoothed.back();
     motion_.wheel_scale = std::exp(last.rover.values(kWheelScale));
@@ -78,7 +79,7 @@ class Follower {
 
   void Start() {
     Belief belief;
-    const StateVector sigmas = PriorSigmas(dataset_.rig, model_.options, model_.filter);
+    const StateVector sigmas = PriorSigmas(model_.options);
     belief.covariance = sigmas.cwiseAbs2().asDiagonal();
     if (!dataset_.inclinometer.empty()) {
       belief.rover.up_in_gauge = model_.imu_from_left.rotation.conjugate() *
@@ -186,6 +187,14 @@ class Follower {
     prediction.noise.block<3, 3>(kPosition, kPosition) +=
         burst * burst *
         (way * way.transpose() + kAside * kAside * way.squaredNorm() * Eigen::Matrix3d::Identity());
+  }
+
+  // The wheels' metres follow the images', whose own scale nothing here measures: its error goes
+  // with the distance from the first frame.
+  void AddVisualScale(EstimatedPose& pose) const {
+    const Eigen::Vector3d& way = pose.gauge_from_left.translation;
+    const double sigma = model_.filter.vision_scale_sigma;
+    pose.covariance.topLeftCorner<3, 3>() += sigma * sigma * way * way.transpose();
   }
 
   const Dataset& dataset_;

@@ -45,18 +45,15 @@ Measurement VisualMotionOf(const Belief& belief, const VisualStep& step, double 
   const auto index = kStateSize + 6 * (clone - belief.clones.begin());
   const Rigid3 &from = clone->gauge_from_left, &to = belief.rover.gauge_from_left;
   const Eigen::Vector3d way = to.translation - from.translation;
-  const double scale = 1.0 + belief.rover.values(kVisionScale);
   // Measured motion times the inverse of the expected one: none, but for errors.
-  const Rigid3 scaled{to.rotation, from.translation + scale * way};
-  const Rigid3 off = step.to_from_from * (from.Inverse() * scaled);
+  const Rigid3 off = step.to_from_from * (from.Inverse() * to);
   Measurement measurement = Blank(belief, 6);
   measurement.residual << -off.translation, -LogRotation(off.rotation);
   const Eigen::Matrix3d to_from_gauge = to.rotation.conjugate().toRotationMatrix();
   auto& jacobian = measurement.jacobian;
-  jacobian.block<3, 3>(0, kPosition) = scale * to_from_gauge;
-  jacobian.block<3, 3>(0, index) = -scale * to_from_gauge;
-  jacobian.block<3, 3>(0, index + 3) = scale * to_from_gauge * Skew(way);
-  jacobian.block<3, 1>(0, kVisionScale) = to_from_gauge * way;
+  jacobian.block<3, 3>(0, kPosition) = to_from_gauge;
+  jacobian.block<3, 3>(0, index) = -to_from_gauge;
+  jacobian.block<3, 3>(0, index + 3) = to_from_gauge * Skew(way);
   jacobian.block<3, 3>(3, kRotation) = to_from_gauge;
   jacobian.block<3, 3>(3, index + 3) = -to_from_gauge;
   measurement.noise = noise_factor * step.covariance;

@@ -108,8 +108,10 @@ class Mover {
     const FilterOptions& filter = model_.filter;
     // What is not known of a span is the same all along it: it adds up.
     const double together_s2 = duration_s_ * step.duration_s;
+    const bool drives = step.way_m.value_or(1.0) != 0.0;
+    const double gyro_noise = drives ? options.gyro_driving_noise_radps : options.gyro_noise_radps;
     const double turn_rad2 = step.turn_rate_radps
-                                 ? Squared(options.gyro_noise_radps) * step.duration_s
+                                 ? Squared(gyro_noise) * step.duration_s
                                  : Squared(filter.unknown_turn_radps) * together_s2;
     double along_m2 = Squared(filter.unknown_speed_mps) * together_s2;
     double aside_m2 = Squared(kUnknownAside) * along_m2;
@@ -164,8 +166,7 @@ StateVector ErrorBetween(const RoverState& a, const RoverState& b) {
   return error;
 }
 
-StateVector PriorSigmas(const StereoRig& rig, const DeadReckoningOptions& options,
-                        const FilterOptions& filter) {
+StateVector PriorSigmas(const DeadReckoningOptions& options) {
   // The first frame is the gauge, whose up nothing has told yet.
   constexpr double kExact = 1e-6, kUnknownUp_rad = 0.2;
   StateVector sigmas = StateVector::Constant(kExact);
@@ -176,8 +177,6 @@ StateVector PriorSigmas(const StereoRig& rig, const DeadReckoningOptions& option
   sigmas.segment<3>(kContact).setConstant(options.contact_sigma_m);
   sigmas.segment<3>(kUp).setConstant(kUnknownUp_rad);
   sigmas.segment<2>(kLevel).setConstant(options.level_sigma_rad);
-  const double of_baseline = rig.baseline_sigma_m.value_or(0.0) / rig.Baseline();
-  sigmas(kVisionScale) = std::hypot(filter.vision_scale_sigma, of_baseline);
   return sigmas;
 }
 

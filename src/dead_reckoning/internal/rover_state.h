@@ -13,17 +13,16 @@ namespace rigmap {
 // Where each part of the state begins in a vector of errors. The gauge is the left camera of the
 // first frame, exactly.
 enum StateIndex : int {
-  kPosition = 0,      // 3, m: of the left camera, gauge axes, true minus estimated
-  kRotation = 3,      // 3, rad: about gauge axes, true = exp(error) * estimated
-  kGyroBias = 6,      // 3, rad/s, IMU axes
-  kGyroScale = 9,     // 1, share: rate = (1 + scale) (measured - bias)
-  kWheelScale = 10,   // 1, log of true over stated metres
-  kTravel = 11,       // 2, rad: the direction of travel is the IMU's -x, turned about its y and z
-  kContact = 13,      // 3, m: correction of ContactInImu
-  kUp = 16,           // 3, rad: rotation of the up direction, gauge axes
-  kLevel = 19,        // 2, rad: the inclinometer is turned by this about the IMU's x and y
-  kVisionScale = 21,  // 1, share: visual metres = (1 + scale) metres
-  kStateSize = 22,
+  kPosition = 0,     // 3, m: of the left camera, gauge axes, true minus estimated
+  kRotation = 3,     // 3, rad: about gauge axes, true = exp(error) * estimated
+  kGyroBias = 6,     // 3, rad/s, IMU axes
+  kGyroScale = 9,    // 1, share: rate = (1 + scale) (measured - bias)
+  kWheelScale = 10,  // 1, log of true over stated metres
+  kTravel = 11,      // 2, rad: the direction of travel is the IMU's -x, turned about its y and z
+  kContact = 13,     // 3, m: correction of ContactInImu
+  kUp = 16,          // 3, rad: rotation of the up direction, gauge axes
+  kLevel = 19,       // 2, rad: the inclinometer is turned by this about the IMU's x and y
+  kStateSize = 21,
 };
 using StateVector = Eigen::Matrix<double, kStateSize, 1>;
 using StateMatrix = Eigen::Matrix<double, kStateSize, kStateSize>;
@@ -42,8 +41,7 @@ Rigid3 Corrected(const Rigid3& pose, const Vector6d& error);
 Vector6d ErrorBetween(const Rigid3& a, const Rigid3& b);
 
 // What is known before anything is measured, with up as the first inclination says.
-StateVector PriorSigmas(const StereoRig& rig, const DeadReckoningOptions& options,
-                        const FilterOptions& filter);
+StateVector PriorSigmas(const DeadReckoningOptions& options);
 
 // A state a while later: its error is `transition` times the error before, plus noise.
 struct Prediction {
