@@ -81,11 +81,18 @@ OptionFields FilterOptions::Fields() {
        "Whether the inclinometer is used, beside which way is up."},
       {"vision_scale_sigma", &vision_scale_sigma, "", MoreThan(0.0),
        "Sigma of the scale of visual motion that its covariance does not hold, as a share: 0.05 px "
-       "of disparity that all points share, of the 17 px that LocCam sees the ground 6 m ahead with. "
+       "of disparity that all points share, of the 17 px that LocCam sees the ground 6 m ahead "
+       "with. "
        "That of the baseline, where the rig file states it, is counted in the verdict."},
-      {"max_innovation_sigmas", &max_innovation_sigmas, "sigmas", MoreThan(0.0),
+      {"slip_sigmas", &slip_sigmas, "sigmas", MoreThan(0.0),
        "Where the wheels' and the images' motion differ by more (root mean square of six numbers) "
-       "the wheels slip, or the images mislead: a normal error does so once in a billion."},
+       "the "
+       "wheels are taken to slip. Normal errors do so once in two thousand steps, and lose little "
+       "by "
+       "it."},
+      {"max_innovation_sigmas", &max_innovation_sigmas, "sigmas", MoreThan(0.0),
+       "Where they differ by more even if the wheels slip, the images mislead: normal errors do so "
+       "once in a billion steps."},
       {"burst_slip", &burst_slip, "", MoreThan(0.0),
        "Sigma of the way between two frames, as a share, while the wheels slip: all of it."},
       {"unknown_speed_mps", &unknown_speed_mps, "m/s", MoreThan(0.0),

@@ -122,38 +122,31 @@ class Follower {
   void Next(int frame) {
     const StampNs begin_ns = StampOf(frame - 1), end_ns = StampOf(frame);
     const Belief& before = filtered_.back();
-    std::vector<int> kept;
-    for (const auto& [from, last] : last_use_) {
-      if (from < frame && last >= frame) kept.push_back(from);
-    }
     const SensorSteps steps = CutSteps(begin_ns, end_ns, gyro_, way_, model_.options);
-    Prediction prediction = Predict(before.rover, steps, speed_mps_, model_);
+    const Prediction prediction = Predict(before.rover, steps, speed_mps_, model_);
+    const std::vector<int> kept = ClonesFor(frame);
     Advance advance = Advanced(before, frame - 1, kept, prediction);
-    Belief belief = advance.predicted;
     bool is_seen = false;
+    const bool is_driven = std::ranges::all_of(
+        steps, [](const SensorStep& step) { return step.way_m && step.turn_rate_radps; });
+    Belief belief = advance.predicted;
     for (const VisualStep& step : StepsTo(frame)) {
-      if (!Agrees(belief, step) && !is_seen) {
-        // Either the wheels slipped or the images mislead: the first, if slip explains it.
-        Prediction slipping = prediction;
-        AddSlip(slipping);
-        Advance other = Advanced(before, frame - 1, kept, slipping);
-        if (Agrees(other.predicted, step)) {
-          advance = std::move(other);
-          belief = advance.predicted;
-          motion_.slips.push_back(frame);
+      if (InnovationOf(belief, step) > model_.filter.slip_sigmas) {
+        // Either the wheels slip or the images mislead: the first, if slip explains it.
+        Advance slipping = Advanced(before, frame - 1, kept, WithSlip(prediction));
+        if (is_seen ||
+            InnovationOf(slipping.predicted, step) > model_.filter.max_innovation_sigmas) {
+          motion_.misled.push_back(frame);
+          continue;
         }
-      }
-      if (!Agrees(belief, step)) {
-        motion_.misled.push_back(frame);
-        continue;
+        motion_.slips.push_back(frame);
+        advance = std::move(slipping);
+        belief = advance.predicted;
       }
       belief = Updated(belief, VisualMotionOf(belief, step, NoiseFactor(step)));
       is_seen = true;
     }
-    motion_.poses[frame].is_measured =
-        is_seen || std::ranges::all_of(steps, [](const SensorStep& step) {
-          return step.way_m && step.turn_rate_radps;
-        });
+    motion_.poses[frame].is_measured = is_seen || is_driven;
     belief = Levelled(belief, frame);
     if (way_.StandsStill(begin_ns, end_ns)) belief = Rested(belief, begin_ns, end_ns);
     const Eigen::Vector3d way =
@@ -163,14 +156,22 @@ class Follower {
     filtered_.push_back(std::move(belief));
   }
 
+  // Frames that something at `frame` or later is measured against.
+  std::vector<int> ClonesFor(int frame) const {
+    std::vector<int> kept;
+    for (const auto& [from, last] : last_use_) {
+      if (from < frame && last >= frame) kept.push_back(from);
+    }
+    return kept;
+  }
+
   std::vector<VisualStep> StepsTo(int frame) const {
     const auto found = steps_.find(frame);
     return found == steps_.end() ? std::vector<VisualStep>() : found->second;
   }
 
-  bool Agrees(const Belief& belief, const VisualStep& step) const {
-    return InnovationSigmas(belief, VisualMotionOf(belief, step, NoiseFactor(step))) <=
-           model_.filter.max_innovation_sigmas;
+  double InnovationOf(const Belief& belief, const VisualStep& step) const {
+    return InnovationSigmas(belief, VisualMotionOf(belief, step, NoiseFactor(step)));
   }
 
   // Frames that are posed against the same keyframe share the noise of what is seen of it. The one
@@ -180,13 +181,12 @@ class Follower {
     return std::max(1, uses_.at(step.from) - 1);
   }
 
-  void AddSlip(Prediction& prediction) const {
-    const Eigen::Vector3d& way = prediction.way_in_gauge;
-    const double burst = model_.filter.burst_slip;
+  Prediction WithSlip(Prediction prediction) const {
     constexpr double kAside = 0.1;  // of the slip along the way
+    const Eigen::Vector3d way = model_.filter.burst_slip * prediction.way_in_gauge;
     prediction.noise.block<3, 3>(kPosition, kPosition) +=
-        burst * burst *
-        (way * way.transpose() + kAside * kAside * way.squaredNorm() * Eigen::Matrix3d::Identity());
+        way * way.transpose() + kAside * kAside * way.squaredNorm() * Eigen::Matrix3d::Identity();
+    return prediction;
   }
 
   // The wheels' metres follow the images', whose own scale nothing here measures: its error goes

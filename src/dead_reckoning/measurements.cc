@@ -49,7 +49,9 @@ Measurement VisualMotionOf(const Belief& belief, const VisualStep& step, double 
   const Rigid3 off = step.to_from_from * (from.Inverse() * to);
   Measurement measurement = Blank(belief, 6);
   measurement.residual << -off.translation, -LogRotation(off.rotation);
-  const Eigen::Matrix3d to_from_gauge = to.rotation.conjugate().toRotationMatrix();
+  // As measured: what was predicted without a gyro may be off by much of a turn.
+  const Eigen::Matrix3d to_from_gauge =
+      (step.to_from_from.rotation * from.rotation.conjugate()).toRotationMatrix();
   auto& jacobian = measurement.jacobian;
   jacobian.block<3, 3>(0, kPosition) = to_from_gauge;
   jacobian.block<3, 3>(0, index) = -to_from_gauge;

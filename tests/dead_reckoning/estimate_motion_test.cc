@@ -157,7 +157,6 @@ TEST_F(EstimateMotionTest, VisionAloneIsFollowedWhereNothingElseIsUsed) {
   rover_.dataset.inertial = {};
   const EstimatedMotion motion = Filtered(AllSteps(rover_));
   EXPECT_LT(OffM(motion, rover_, 29), 1e-3) << "m";
-  for (std::size_t i=0;i<30;++i) printf("%zu %g %g\n", i, OffM(motion,rover_,i), SigmaM(motion,i)); for (int m: motion.misled) printf("misled %d\n",m);for (int m: motion.slips) printf("slips %d\n",m);
 }
 
 // Errors drawn as the options have them are as large as the covariances say.
