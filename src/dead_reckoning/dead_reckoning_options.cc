@@ -85,14 +85,13 @@ OptionFields FilterOptions::Fields() {
        "with. "
        "That of the baseline, where the rig file states it, is counted in the verdict."},
       {"slip_sigmas", &slip_sigmas, "sigmas", MoreThan(0.0),
-       "Where the wheels' and the images' motion differ by more (root mean square of six numbers) "
-       "the "
-       "wheels are taken to slip. Normal errors do so once in two thousand steps, and lose little "
-       "by "
-       "it."},
+       "Where the wheels' and the images' way differ by more, along it, the wheels are taken to "
+       "slip. "
+       "Normal errors do so in three of a thousand steps, and lose little by it."},
       {"max_innovation_sigmas", &max_innovation_sigmas, "sigmas", MoreThan(0.0),
-       "Where they differ by more even if the wheels slip, the images mislead: normal errors do so "
-       "once in a billion steps."},
+       "Where the motions differ by more (root mean square of six numbers) even if the wheels "
+       "slip, "
+       "the images mislead: normal errors do so once in a billion steps."},
       {"burst_slip", &burst_slip, "", MoreThan(0.0),
        "Sigma of the way between two frames, as a share, while the wheels slip: all of it."},
       {"unknown_speed_mps", &unknown_speed_mps, "m/s", MoreThan(0.0),

@@ -42,7 +42,7 @@ struct FilterOptions {
   bool use_gyro = true;
   bool use_inclinometer = true;
   double vision_scale_sigma = 0.003;
-  double slip_sigmas = 2.0;
+  double slip_sigmas = 3.0;
   double max_innovation_sigmas = 3.0;
   double burst_slip = 1.0;
   double unknown_speed_mps = 0.5;

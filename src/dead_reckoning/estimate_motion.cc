@@ -131,7 +131,8 @@ class Follower {
         steps, [](const SensorStep& step) { return step.way_m && step.turn_rate_radps; });
     Belief belief = advance.predicted;
     for (const VisualStep& step : StepsTo(frame)) {
-      if (InnovationOf(belief, step) > model_.filter.slip_sigmas) {
+      if (InnovationAlong(belief, prediction.way_in_gauge, step) > model_.filter.slip_sigmas ||
+          InnovationOf(belief, step) > model_.filter.max_innovation_sigmas) {
         // Either the wheels slip or the images mislead: the first, if slip explains it.
         Advance slipping = Advanced(before, frame - 1, kept, WithSlip(prediction));
         if (is_seen ||
@@ -172,6 +173,18 @@ class Follower {
 
   double InnovationOf(const Belief& belief, const VisualStep& step) const {
     return InnovationSigmas(belief, VisualMotionOf(belief, step, NoiseFactor(step)));
+  }
+
+  // Of the distance alone, in the direction in which the wheels drive: theirs to be wrong about.
+  double InnovationAlong(const Belief& belief, const Eigen::Vector3d& way,
+                         const VisualStep& step) const {
+    if (!(way.norm() > 0.0)) return 0.0;
+    const Measurement all = VisualMotionOf(belief, step, NoiseFactor(step));
+    Eigen::MatrixXd along = Eigen::MatrixXd::Zero(1, 6);
+    along.leftCols<3>() =
+        (belief.rover.gauge_from_left.rotation.conjugate() * way.normalized()).transpose();
+    return InnovationSigmas(belief, {along * all.residual, along * all.jacobian,
+                                     along * all.noise * along.transpose()});
   }
 
   // Frames that are posed against the same keyframe share the noise of what is seen of it. The one
