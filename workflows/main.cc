@@ -58,7 +58,8 @@ void AddPart(CLI::App& app, PartArguments& a) {
   part->add_option("--rig", a.rig, "Rig file, instead of the one beside the data");
   part->add_option("--format", a.format, "katwijk or stereo, instead of what is recognised");
   part->add_option("--out", a.out, "Folder for the results")->required();
-  part->add_option("--technique", a.technique, "rig (default) or vo: how poses are found");
+  part->add_option("--technique", a.technique,
+                   "rig (default), vo, wheels or filter: how poses are found");
   part->add_option("--frames", a.frames, "FIRST:END of the paired frames, END excluded");
   part->add_option("--config", a.config, "YAML file of options (rigmap options lists all)");
   part->add_option("--set", a.assignments, "stage.option=value, over --config");
@@ -197,7 +198,7 @@ int Main(int argc, char** argv) {
   options->add_option("--format", format, "yaml or markdown");
   std::string technique = "rig";
   CLI::App* stages = app.add_subcommand("stages", "Print the stages of a technique as a table");
-  stages->add_option("--technique", technique, "rig (default) or vo");
+  stages->add_option("--technique", technique, "rig (default), vo, wheels or filter");
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

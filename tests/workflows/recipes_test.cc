@@ -27,6 +27,8 @@ const std::map<std::string, Names> kReaders{
     {"masks", {"features", "dense"}},
     {"features", {"features"}},
     {"odometry", {"odometry", "adjustment"}},
+    {"dead_reckoning", {}},
+    {"filter", {}},
     {"matching", {"matching"}},
     {"matching.min_inliers", {"matching", "mapping"}},
     {"colmap", {}},
@@ -140,10 +142,11 @@ TEST(RigRecipe, StagesDependOnWhatTheyTakeAndNoMore) {
                           "fusion", "raster", "views", "evaluation"));
 }
 
-// To make the tables anew: rigmap stages --technique rig, and vo.
+// To make the tables anew: rigmap stages --technique rig, and the others.
 TEST(PrintStages, GivesTheTablesOfTheDocument) {
   const std::string document = ReadTextFile(RIGMAP_DOCS "/stages.md");
-  for (const Technique technique : {Technique::kRig, Technique::kVisualOdometry}) {
+  for (const char* name : NamesOf(Technique{})) {
+    const Technique technique = ParseTechnique(name);
     EXPECT_THAT(document, HasSubstr("\n\n" + PrintStages(technique) + "\n"));
   }
 }
@@ -168,6 +171,35 @@ TEST(VisualOdometryRecipe, SharesItsFirstStagesWithTheRigRecipe) {
                           "fusion", "raster", "views", "evaluation"));
 }
 
+TEST(RoverRecipes, WheelsNeedNoImagesForTheirPoses) {
+  const StageGraph wheels = WheelsRecipe({}, {}, {});
+  EXPECT_THAT(StageNames(Technique::kWheels),
+              ElementsAre("dataset", "dead_reckoning", "features", "dense", "depth_maps", "fusion",
+                          "raster", "views", "evaluation"));
+  EXPECT_EQ(wheels.nodes()[wheels.IndexOf("dead_reckoning")].inputs,
+            std::vector{wheels.IndexOf("dataset")});
+}
+
+TEST(RoverRecipes, TheFilterSharesItsFirstStagesWithVisualOdometry) {
+  const StageGraph filter = FilterRecipe({}, {}, {}), vo = VisualOdometryRecipe({}, {}, {});
+  for (const char* name : {"features", "odometry"}) {
+    const StageNode &a = filter.nodes()[filter.IndexOf(name)], &b = vo.nodes()[vo.IndexOf(name)];
+    EXPECT_EQ(a.identity, b.identity) << name;
+  }
+}
+
+TEST(RoverRecipes, TheirOptionsRedoTheirStage) {
+  PartOptions changed;
+  changed.dead_reckoning.wheel_slip = 0.04;
+  EXPECT_EQ(Changed(WheelsRecipe({}, {}, {}), WheelsRecipe({}, {}, changed)),
+            Names{"dead_reckoning"});
+  EXPECT_EQ(Changed(FilterRecipe({}, {}, {}), FilterRecipe({}, {}, changed)), Names{"filter"});
+  PartOptions without;
+  without.filter.use_gyro = false;
+  EXPECT_EQ(Changed(WheelsRecipe({}, {}, {}), WheelsRecipe({}, {}, without)), Names{});
+  EXPECT_EQ(Changed(FilterRecipe({}, {}, {}), FilterRecipe({}, {}, without)), Names{"filter"});
+}
+
 TEST(KnownOutputsTest, AreThoseOfAllTechniquesOnce) {
   const auto outputs = KnownOutputs();
   EXPECT_THAT(outputs, IsSupersetOf({"trajectory.tum", "sparse", "dense.ply", "view_top.png",
@@ -176,11 +208,12 @@ TEST(KnownOutputsTest, AreThoseOfAllTechniquesOnce) {
 }
 
 TEST(TechniqueNames, ReadBackAndListWhatThereIs) {
-  for (const Technique technique : {Technique::kRig, Technique::kVisualOdometry}) {
+  for (const Technique technique :
+       {Technique::kRig, Technique::kVisualOdometry, Technique::kWheels, Technique::kFilter}) {
     EXPECT_EQ(ParseTechnique(NameOf(technique)), technique);
   }
   EXPECT_THAT(MessageOf<UsageError>([] { ParseTechnique("icp2"); }),
-              AllOf(HasSubstr("rig, vo"), HasSubstr("'icp2'")));
+              AllOf(HasSubstr("rig, vo, wheels, filter"), HasSubstr("'icp2'")));
 }
 
 }  // namespace
