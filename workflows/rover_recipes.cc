@@ -10,14 +10,14 @@ namespace {
 
 // A map on the poses of a rover, judged by what these know of themselves.
 void AddRoverSurface(StageGraph& g, const PartOptions& o, const PartInputs& in,
-                     Node<FeatureIndex> found, Node<DeadReckonedPart> rover) {
+                     Node<FeatureIndex> found, Node<DeadReckonedPart> rover,
+                     const OdometricGatesCheck& check) {
   const auto part = g.AddView(PartOfRover, rover);
   const auto steps = g.AddView(StepsOfRover, rover);
-  const auto gates =
-      g.AddCheck(OdometricGates(),
-                 Reading(o.gates.mapping, o.gates.poses, o.gates.adjustment, o.gates.calibration),
-                 in.dataset, found, steps, part);
-  const auto posed = g.AddView(PosedByOdometry, in.dataset, part);
+  const auto gates = g.AddCheck(
+      check, Reading(o.gates.mapping, o.gates.poses, o.gates.adjustment, o.gates.calibration),
+      in.dataset, found, steps, part);
+  const auto posed = g.AddView(PosedByRover, in.dataset, rover);
   AddSurface(g, o, {in.dataset, in.content, in.truth, found, posed, gates});
 }
 
@@ -32,7 +32,7 @@ StageGraph WheelsRecipe(const Dataset& data, const DatasetContent& data_content,
   const auto rover = g.AddStage(DeadReckoning(), Reading(o.dead_reckoning), in.dataset);
   const auto found = g.AddStage(Features(), Reading(o.features, o.masks), in.dataset, in.content);
 
-  AddRoverSurface(g, o, in, found, rover);
+  AddRoverSurface(g, o, in, found, rover, DeadReckonedGates());
   return g;
 }
 
@@ -50,7 +50,7 @@ StageGraph FilterRecipe(const Dataset& data, const DatasetContent& data_content,
   const auto rover =
       g.AddStage(Filter(), Reading(o.dead_reckoning, o.filter), in.dataset, odometry);
 
-  AddRoverSurface(g, o, in, found, rover);
+  AddRoverSurface(g, o, in, found, rover, OdometricGates());
   return g;
 }
 

@@ -10,11 +10,10 @@ OptionFields DeadReckoningOptions::Fields() {
       {"wheel_slip", &wheel_slip, "", AtLeast(-0.5).UpTo(0.9),
        "Share by which the wheels turn farther than the ground passes. A driven wheel on level "
        "sand "
-       "turns 0 to 4 % farther; less than nothing it cannot. This is the middle."},
+       "turns 0 to 5 % farther; less than nothing it cannot. This is the middle."},
       {"wheel_scale_sigma", &wheel_scale_sigma, "", MoreThan(0.0),
-       "Sigma of the metres that a wheel's turn makes, as a share: of slip and radius together. "
-       "Half "
-       "of the range of slip on sand; a millimetre of the radius is less."},
+       "Sigma of the metres that a wheel's turn makes, as a share: of slip and radius together. Of "
+       "slip between 0 and 5 % 1.5 %, of a radius known to 1.5 mm as much again in squares."},
       {"slip_noise", &slip_noise, "", MoreThan(0.0),
        "Sigma of the slip over a metre of the way, as a share: as the ground differs from metre to "
        "metre. As large as slip on sand itself."},

@@ -12,7 +12,7 @@ struct DeadReckoningOptions {
   static constexpr const char* kSection = "dead_reckoning";
 
   double wheel_radius_m = 0.123;
-  double wheel_slip = 0.02;
+  double wheel_slip = 0.025;
   double wheel_scale_sigma = 0.02;
   double slip_noise = 0.03;
   double side_slip_noise = 0.03;

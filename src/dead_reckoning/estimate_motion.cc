@@ -255,8 +255,11 @@ EstimatedMotion EstimateMotion(const Dataset& dataset, std::span<const VisualSte
   }
   if (filter.use_wheels) RequireRecord(dataset.wheels, "wheels");
   if (filter.use_gyro) RequireRecord(dataset.inertial, "inertial unit");
-  if (visual.empty()) {
+  const bool is_blind = visual.empty() || !filter.use_vision;
+  if (is_blind && filter.use_wheels) {
     RequireNoGap(dataset.wheels, "odometry.txt", dataset, options.max_gap_s);
+  }
+  if (is_blind && filter.use_gyro) {
     RequireNoGap(dataset.inertial, "imu.txt", dataset, options.max_gap_s);
   }
   const RoverModel model{*dataset.rig.imu_from_left, ContactInImu(dataset.rig, options), options,

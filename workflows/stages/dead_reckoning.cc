@@ -67,6 +67,7 @@ DeadReckonedPart MakeFiltered(const StageContext&, const Dataset& dataset, const
                               const DeadReckoningOptions& options, const FilterOptions& filter) {
   const std::vector<VisualStep> steps = VisualSteps(odometry);
   DeadReckonedPart rover = InWorld(dataset, EstimateMotion(dataset, steps, options, filter));
+  if (!steps.empty() && filter.use_vision) rover.visual_scale_sigma = filter.vision_scale_sigma;
   for (std::size_t i = 0; i < odometry.size(); ++i) {
     rover.part.trajectory[i].keyframe = odometry[i].keyframe;
   }
@@ -125,6 +126,17 @@ FilterStage Filter() {
           .publishes = kTrajectoryOutputs,
           .publish = PublishFiltered,
           .report = ReportFiltered};
+}
+
+PosedPart PosedByRover(const StageContext& context, const Dataset& dataset,
+                       const DeadReckonedPart& rover) {
+  OdometricPart part = rover.part;
+  for (TimedPose& pose : part.trajectory) {
+    const Eigen::Vector3d stretch = rover.visual_scale_sigma * pose.world_from_left.translation;
+    pose.position_covariance -= stretch * stretch.transpose();
+    pose.sigmas.head<3>() = pose.position_covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
+  }
+  return PosedByOdometry(context, dataset, part);
 }
 
 OdometricPart PartOfRover(const StageContext&, const DeadReckonedPart& rover) { return rover.part; }

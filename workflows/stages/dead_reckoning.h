@@ -14,10 +14,12 @@ struct DeadReckonedPart {
   double wheel_scale = 1.0, wheel_scale_sigma = 0.0;
   Eigen::Vector3d gyro_bias_radps = Eigen::Vector3d::Zero();
   std::vector<int> slips, misled;
+  double visual_scale_sigma = 0.0;  // of all distances together; contained in the sigmas
 
   template <class Archive>
   void serialize(Archive& archive) {
-    archive(part, wheel_scale, wheel_scale_sigma, gyro_bias_radps, slips, misled);
+    archive(part, wheel_scale, wheel_scale_sigma, gyro_bias_radps, slips, misled,
+            visual_scale_sigma);
   }
 };
 
@@ -30,6 +32,9 @@ FilterStage Filter();
 
 // Views: as the techniques without an adjustment have a part, and its steps for the gates.
 OdometricPart PartOfRover(const StageContext& context, const DeadReckonedPart& rover);
+// For the map: what stretches it as a whole blurs nothing, and is not in the sigmas.
+PosedPart PosedByRover(const StageContext& context, const Dataset& dataset,
+                       const DeadReckonedPart& rover);
 Odometry StepsOfRover(const StageContext& context, const DeadReckonedPart& rover);
 
 }  // namespace rigmap
