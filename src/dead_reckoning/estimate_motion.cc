@@ -123,7 +123,7 @@ class Follower {
     const StampNs begin_ns = StampOf(frame - 1), end_ns = StampOf(frame);
     const Belief& before = filtered_.back();
     const SensorSteps steps = CutSteps(begin_ns, end_ns, gyro_, way_, model_.options);
-    const Prediction prediction = Predict(before.rover, steps, speed_mps_, model_);
+    const Prediction prediction = Predict(before.rover, steps, CarriedTo(frame), model_);
     const std::vector<int> kept = ClonesFor(frame);
     Advance advance = Advanced(before, frame - 1, kept, prediction);
     bool is_seen = false;
@@ -150,11 +150,33 @@ class Follower {
     motion_.poses[frame].is_measured = is_seen || is_driven;
     belief = Levelled(belief, frame);
     if (way_.StandsStill(begin_ns, end_ns)) belief = Rested(belief, begin_ns, end_ns);
-    const Eigen::Vector3d way =
-        belief.rover.gauge_from_left.translation - before.rover.gauge_from_left.translation;
-    speed_mps_ = way.norm() / SecondsFrom(begin_ns, end_ns);
+    carried_ = MotionBetween(before.rover.gauge_from_left, belief.rover.gauge_from_left,
+                             SecondsFrom(begin_ns, end_ns));
     advances_.push_back(std::move(advance));
     filtered_.push_back(std::move(belief));
+  }
+
+  // As before; but a turn that the images show is taken from them, lest it be far from where errors
+  // are linear: what nothing else tells of has a sigma beside which this changes nothing.
+  CarriedMotion CarriedTo(int frame) const {
+    const std::vector<VisualStep> steps = StepsTo(frame);
+    if (steps.empty()) return carried_;
+    const Belief& before = filtered_.back();
+    const VisualStep& step = steps.front();
+    const auto clone = std::ranges::find(before.clones, step.from, &ClonedPose::frame);
+    const Rigid3& from =
+        clone == before.clones.end() ? before.rover.gauge_from_left : clone->gauge_from_left;
+    CarriedMotion carried =
+        MotionBetween(before.rover.gauge_from_left, from * step.to_from_from.Inverse(),
+                      SecondsFrom(StampOf(frame - 1), StampOf(frame)));
+    carried.speed_mps = carried_.speed_mps;
+    return carried;
+  }
+
+  CarriedMotion MotionBetween(const Rigid3& from, const Rigid3& to, double duration_s) const {
+    const Eigen::Vector3d turn = LogRotation(from.rotation.conjugate() * to.rotation);
+    return {(to.translation - from.translation).norm() / duration_s,
+            model_.imu_from_left.rotation * turn / duration_s};
   }
 
   // Frames that something at `frame` or later is measured against.
@@ -216,34 +238,13 @@ class Follower {
   std::span<const InertialSample> gyro_;
   std::map<int, std::vector<VisualStep>> steps_;  // by the frame they lead to
   std::map<int, int> last_use_, uses_;            // of a frame that steps begin at
-  double speed_mps_ = 0.0;
+  CarriedMotion carried_;
   std::vector<Belief> filtered_;
   std::vector<Advance> advances_;
   EstimatedMotion motion_;
 };
 
 }  // namespace
-
-std::vector<VisualStep> VisualSteps(const Odometry& odometry) {
-  std::vector<VisualStep> steps;
-  for (int i = 0; i < static_cast<int>(odometry.size()); ++i) {
-    const OdometryFrame& frame = odometry[i];
-    if (frame.source != PoseSource::kOdometry || frame.reference == i) continue;
-    const Rigid3 frame_from_reference = OdometricStep(odometry, i, frame.reference);
-    if (frame.reference < i) {
-      steps.push_back({frame.reference, i, frame_from_reference, frame.step_covariance});
-      continue;
-    }
-    // The other way round, with its covariance in the other camera's axes.
-    const Rigid3 back = frame_from_reference.Inverse();
-    const Eigen::Matrix3d turn = back.rotation.toRotationMatrix();
-    Matrix6d carry = Matrix6d::Zero();
-    carry.topLeftCorner<3, 3>() = carry.bottomRightCorner<3, 3>() = turn;
-    carry.topRightCorner<3, 3>() = Skew(back.translation) * turn;
-    steps.push_back({i, frame.reference, back, carry * frame.step_covariance * carry.transpose()});
-  }
-  return steps;
-}
 
 EstimatedMotion EstimateMotion(const Dataset& dataset, std::span<const VisualStep> visual,
                                const DeadReckoningOptions& options, const FilterOptions& filter) {

@@ -40,10 +40,10 @@ Travel TravelOf(const RoverState& state) {
 // Moves a prediction on, step by step.
 class Mover {
  public:
-  Mover(const RoverState& state, const SensorSteps& steps, double speed_mps,
+  Mover(const RoverState& state, const SensorSteps& steps, const CarriedMotion& carried,
         const RoverModel& model)
       : model_(model),
-        speed_mps_(speed_mps),
+        carried_(carried),
         duration_s_(Duration(steps)),
         travel_(TravelOf(state)),
         lever_in_imu_(model.imu_from_left.translation - model.contact_in_imu -
@@ -57,13 +57,13 @@ class Mover {
     const Eigen::Vector3d rate =
         step.turn_rate_radps
             ? (gyro_scale * (*step.turn_rate_radps - state.values.segment<3>(kGyroBias))).eval()
-            : Eigen::Vector3d::Zero().eval();
+            : carried_.turn_radps;
     const Eigen::Quaterniond before =
         state.gauge_from_left.rotation * model_.imu_from_left.rotation.conjugate();
     const Eigen::Quaterniond middle = before * ExpRotation(0.5 * step.duration_s * rate);
     const Eigen::Quaterniond after = (before * ExpRotation(step.duration_s * rate)).normalized();
-    const double way_m =
-        std::exp(state.values(kWheelScale)) * step.way_m.value_or(speed_mps_ * step.duration_s);
+    const double way_m = std::exp(state.values(kWheelScale)) *
+                         step.way_m.value_or(carried_.speed_mps * step.duration_s);
     const Eigen::Vector3d direction = middle * travel_.in_imu, way = way_m * direction;
     const Eigen::Vector3d lever_before = before * lever_in_imu_, lever = after * lever_in_imu_;
     state.gauge_from_left.translation += way + lever - lever_before;
@@ -129,7 +129,8 @@ class Mover {
   }
 
   const RoverModel& model_;
-  double speed_mps_, duration_s_;
+  CarriedMotion carried_;
+  double duration_s_;
   Travel travel_;
   Eigen::Vector3d lever_in_imu_;
   Matrix6d pose_noise_ = Matrix6d::Zero();
@@ -180,9 +181,9 @@ StateVector PriorSigmas(const DeadReckoningOptions& options) {
   return sigmas;
 }
 
-Prediction Predict(const RoverState& state, const SensorSteps& steps, double speed_mps,
+Prediction Predict(const RoverState& state, const SensorSteps& steps, const CarriedMotion& carried,
                    const RoverModel& model) {
-  Mover mover(state, steps, speed_mps, model);
+  Mover mover(state, steps, carried, model);
   for (const SensorStep& step : steps) mover.Move(step);
   return mover.Finish();
 }

@@ -159,6 +159,16 @@ TEST_F(EstimateMotionTest, VisionAloneIsFollowedWhereNothingElseIsUsed) {
   EXPECT_LT(OffM(motion, rover_, 29), 1e-3) << "m";
 }
 
+TEST_F(EstimateMotionTest, ASharpTurnIsFollowedByVisionAlone) {
+  rover_ = DriveRover(12, [](double time_s) {
+    return time_s < 5.0 || time_s > 6.0 ? Drive{0.2, 0.0} : Drive{0.0, 1.2};
+  });
+  filter_.use_wheels = filter_.use_gyro = filter_.use_inclinometer = false;
+  const EstimatedMotion motion = Filtered(AllSteps(rover_));
+  EXPECT_THAT(motion.misled, IsEmpty());
+  EXPECT_LT(OffM(motion, rover_, 11), 0.01) << "m";
+}
+
 // Errors drawn as the options have them are as large as the covariances say.
 TEST_F(EstimateMotionTest, SigmasAreHonest) {
   constexpr int kDrives = 40;

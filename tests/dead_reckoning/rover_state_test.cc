@@ -50,27 +50,27 @@ TEST_F(RoverStateTest, ErrorBetweenIsTheInverseOfCorrected) {
 }
 
 TEST_F(RoverStateTest, TransitionIsTheDerivativeOfTheMotion) {
-  const Prediction prediction = Predict(state_, steps_, 0.0, Model());
+  const Prediction prediction = Predict(state_, steps_, {}, Model());
   for (int i = 0; i < kStateSize; ++i) {
     if (i >= kUp && i < kUp + 3) continue;
-    const Prediction moved = Predict(Corrected(state_, Unit(i)), steps_, 0.0, Model());
+    const Prediction moved = Predict(Corrected(state_, Unit(i)), steps_, {}, Model());
     const StateVector column = ErrorBetween(moved.state, prediction.state) / kSmall;
     EXPECT_LT((column - prediction.transition.col(i)).norm(), kTolerance) << "of state " << i;
   }
 }
 
 TEST_F(RoverStateTest, NoiseGrowsWithTheWay) {
-  const Prediction once = Predict(state_, steps_, 0.0, Model());
+  const Prediction once = Predict(state_, steps_, {}, Model());
   SensorSteps twice = steps_;
   twice.insert(twice.end(), steps_.begin(), steps_.end());
-  const Prediction longer = Predict(state_, twice, 0.0, Model());
+  const Prediction longer = Predict(state_, twice, {}, Model());
   EXPECT_GT(longer.noise(0, 0), 1.5 * once.noise(0, 0));
   EXPECT_EQ(Matrix6d(once.noise.topLeftCorner<6, 6>()).llt().info(), Eigen::Success);
 }
 
 TEST_F(RoverStateTest, WithoutAWheelTheRoverGoesOnButUnsurely) {
   for (SensorStep& step : steps_) step.way_m.reset();
-  const Prediction prediction = Predict(state_, steps_, 0.2, Model());
+  const Prediction prediction = Predict(state_, steps_, {.speed_mps = 0.2}, Model());
   EXPECT_NEAR(prediction.way_in_gauge.norm(), 0.08 * std::exp(0.03), 2e-3) << "m";
   EXPECT_GT(std::sqrt(prediction.noise.topLeftCorner<3, 3>().trace()), 0.15) << "m";
 }

@@ -58,10 +58,16 @@ struct RoverModel {
   FilterOptions filter;
 };
 
+// What the rover is taken to do where its sensors are silent.
+struct CarriedMotion {
+  double speed_mps = 0.0;
+  Eigen::Vector3d turn_radps = Eigen::Vector3d::Zero();  // IMU axes
+};
+
 // Small rotations one after the other, each with its part of the way straight ahead of the contact
-// point; the camera sways about that point. Where no wheel tells the way, the rover is taken to go
-// on at `speed_mps`; where no gyro tells the turn, straight on; both with the filter's sigmas.
-Prediction Predict(const RoverState& state, const SensorSteps& steps, double speed_mps,
+// point; the camera sways about that point. Where no wheel tells the way, or no gyro the turn,
+// those that are carried on stand in, with the filter's sigmas.
+Prediction Predict(const RoverState& state, const SensorSteps& steps, const CarriedMotion& carried,
                    const RoverModel& model);
 
 }  // namespace rigmap
