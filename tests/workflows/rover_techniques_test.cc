@@ -15,7 +15,9 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 using testing::AllOf;
+using testing::EndsWith;
 using testing::HasSubstr;
+using testing::Not;
 
 constexpr double kMaxAte_pct = 1.0, kMaxLengthError_pct = 2.5;
 
@@ -120,6 +122,9 @@ TEST_F(RoverOnTheBeach, WhatDeadReckoningCannotPromiseIsNotTrusted) {
   EXPECT_TRUE(fs::exists(out_ / "dense.ply"));
   const json summary = json::parse(ReadTextFile(out_ / "summary.json"));
   EXPECT_EQ(summary["status"], "untrusted");
+  const std::string verdict = summary["verdict"]["text"];
+  EXPECT_THAT(verdict, EndsWith("by the wheels, the sigma of their radius and slip counted"));
+  EXPECT_THAT(end.err, Not(HasSubstr("baseline")));
   EXPECT_EQ(summary["world_up"], "imu");
   EXPECT_GT(summary["rover"]["wheel_scale_sigma"].get<double>(), 0.01);
 }
