@@ -8,6 +8,7 @@
 
 #include "adjustment/adjustment_options.h"
 #include "colmap/installation.h"
+#include "dead_reckoning/dead_reckoning_options.h"
 #include "dense/dense_options.h"
 #include "evaluation/rock_segmentation.h"
 #include "evaluation/rock_survey.h"
@@ -34,6 +35,8 @@ struct PartOptions {
   FeatureOptions features;
   CornerOptions corners;  // in the section klt
   OdometryOptions odometry;
+  DeadReckoningOptions dead_reckoning;
+  FilterOptions filter;
   MatchingOptions matching;
   ColmapOptions colmap;
   MappingOptions mapping;

@@ -11,8 +11,9 @@ namespace {
 
 using Recipe = StageGraph (*)(const Dataset&, const DatasetContent&, const PartOptions&);
 // In the order of the enumeration.
-constexpr std::array<Recipe, 6> kRecipes{RigRecipe,      ColmapRecipe,         SfmRecipe,
-                                         CombinedRecipe, VisualOdometryRecipe, KltRecipe};
+constexpr std::array<Recipe, 8> kRecipes{RigRecipe,      ColmapRecipe,         SfmRecipe,
+                                         CombinedRecipe, VisualOdometryRecipe, KltRecipe,
+                                         WheelsRecipe,   FilterRecipe};
 static_assert(kRecipes.size() == NamesOf(Technique{}).size());
 
 }  // namespace

@@ -39,10 +39,18 @@ StageGraph VisualOdometryRecipe(const Dataset& dataset, const DatasetContent& co
 StageGraph KltRecipe(const Dataset& dataset, const DatasetContent& content,
                      const PartOptions& options);
 
+// The rover's wheels, gyro and inclinometer alone; depth maps fused on their poses.
+StageGraph WheelsRecipe(const Dataset& dataset, const DatasetContent& content,
+                        const PartOptions& options);
+
+// These fused with visual odometry by a Kalman filter and smoother.
+StageGraph FilterRecipe(const Dataset& dataset, const DatasetContent& content,
+                        const PartOptions& options);
+
 // As --technique names them.
-enum class Technique { kRig, kColmap, kSfm, kCombined, kVisualOdometry, kKlt };
+enum class Technique { kRig, kColmap, kSfm, kCombined, kVisualOdometry, kKlt, kWheels, kFilter };
 constexpr auto NamesOf(Technique) {
-  return std::array{"rig", "colmap", "sfm", "combined", "vo", "klt"};
+  return std::array{"rig", "colmap", "sfm", "combined", "vo", "klt", "wheels", "filter"};
 }
 // Throws UsageError listing what there is.
 Technique ParseTechnique(const std::string& name);

@@ -3,13 +3,15 @@
 #include <fmt/format.h>
 #include <oneapi/tbb/parallel_for.h>
 
+#include <iterator>
+
 #include "core/artefact.h"
 #include "dataset/rig_file.h"
 
 namespace rigmap {
 
 std::string DatasetContent::Key() const {
-  return HashText(fmt::format("{}\n{}\n{}", rig, FramesKey(), inclinometer));
+  return HashText(fmt::format("{}\n{}\n{}{}", rig, FramesKey(), inclinometer, sensors));
 }
 
 std::string DatasetContent::FramesKey() const {
@@ -34,6 +36,31 @@ std::string HashRig(const Dataset& dataset, FileHashes& hashes) {
   return HashText(rig);
 }
 
+namespace {
+
+std::string HashSensors(const Dataset& dataset) {
+  // Of a record that is not to be used nothing matters.
+  const auto& [wheels, wheel_problem] = dataset.wheels;
+  const auto& [inertial, inertial_problem] = dataset.inertial;
+  if (wheels.empty() && inertial.empty()) return {};
+  std::string text;
+  const auto to = std::back_inserter(text);
+  for (const WheelSample& sample : wheels) {
+    if (!wheel_problem.empty()) break;
+    fmt::format_to(to, "{} {} {} {}\n", sample.stamp_ns, fmt::join(sample.drive_angle_rad, " "),
+                   fmt::join(sample.drive_rate_radps, " "), fmt::join(sample.steering_rad, " "));
+  }
+  for (const InertialSample& sample : inertial) {
+    if (!inertial_problem.empty()) break;
+    const Eigen::Vector3d &w = sample.angular_rate_radps, &up = sample.inclination_mps2;
+    fmt::format_to(to, "{} {} {} {} {} {} {}\n", sample.stamp_ns, w.x(), w.y(), w.z(), up.x(),
+                   up.y(), up.z());
+  }
+  return HashText(text);
+}
+
+}  // namespace
+
 DatasetContent HashContent(const Dataset& dataset, FileHashes& hashes) {
   DatasetContent content;
   content.rig = HashRig(dataset, hashes);
@@ -57,6 +84,7 @@ DatasetContent HashContent(const Dataset& dataset, FileHashes& hashes) {
     inclinometer += fmt::format("{} {} {} {}\n", sample.stamp_ns, up.x(), up.y(), up.z());
   }
   content.inclinometer = HashText(inclinometer);
+  content.sensors = HashSensors(dataset);
   return content;
 }
 

@@ -17,6 +17,7 @@ struct DatasetContent {
   // digits. Empty where both images are the same bytes: such are black or white, in any drive.
   std::vector<std::string> images;
   std::string inclinometer;  // with the readings beside the frames
+  std::string sensors;       // with all that wheels and inertial unit measured; empty: nothing
 
   std::string Key() const;  // of all that
   // Of the frames alone: the same for two results that can be compared or continued.

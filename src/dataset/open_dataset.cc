@@ -16,6 +16,7 @@
 #include "dataset/internal/rock_file.h"
 #include "dataset/internal/stereo_folder.h"
 #include "dataset/rig_file.h"
+#include "dataset/rover_sensor_files.h"
 #include "imaging/image.h"
 
 namespace rigmap {
@@ -88,7 +89,7 @@ fs::path FindRigFile(const DatasetRequest& request, const std::vector<fs::path>&
 struct Opened {
   Dataset dataset;
   std::vector<fs::path> rig_folders;
-  fs::path imu_path;     // empty: none
+  fs::path sensors;      // the folder with the rover's files; empty: none
   fs::path default_rig;  // empty: none
 };
 
@@ -113,7 +114,7 @@ Opened OpenKatwijk(const DatasetRequest& request, const fs::path& folder) {
   ReadSurvey(part, dataset);
   return {std::move(dataset),
           {folder, part.folder, above, above.parent_path()},
-          part.folder / "imu.txt",
+          part.folder,
           request.default_loccam_rig};
 }
 
@@ -148,6 +149,24 @@ void KeepFrames(const std::pair<int, int>& range, std::vector<StereoFrame>& fram
                     first, end, frames.size()));
   }
   frames = std::vector<StereoFrame>(frames.begin() + first, frames.begin() + end);
+}
+
+// Of the frames that are kept.
+void ReadSensors(const fs::path& folder, Dataset& dataset) {
+  if (folder.empty()) {
+    dataset.wheels.problem = dataset.inertial.problem =
+        "a stereo folder holds neither wheels nor an inertial unit; a Katwijk part does";
+    return;
+  }
+  auto inclinometer = ReadInclinometer(folder / "imu.txt", dataset.frames);
+  dataset.inclinometer = std::move(inclinometer.samples);
+  auto sensors = ReadRoverSensors(folder, dataset.frames);
+  dataset.wheels = std::move(sensors.wheels);
+  dataset.inertial = std::move(sensors.inertial);
+  auto& remarks = dataset.health.remarks;
+  for (const auto& more : {inclinometer.remarks, sensors.remarks}) {
+    remarks.insert(remarks.end(), more.begin(), more.end());
+  }
 }
 
 void CheckSize(const std::string& path, const Camera& camera, const std::string& rig_source) {
@@ -229,12 +248,7 @@ Dataset OpenDataset(const DatasetRequest& request) {
   dataset.rig_pool = std::move(rig.pool);
   DecideSampleBits(dataset.rig, dataset.frames);  // of the part, whichever frames are asked for
   if (request.frames) KeepFrames(*request.frames, dataset.frames);
-  if (!opened.imu_path.empty()) {
-    auto reading = ReadInclinometer(opened.imu_path, dataset.frames);
-    dataset.inclinometer = std::move(reading.samples);
-    auto& remarks = dataset.health.remarks;
-    remarks.insert(remarks.end(), reading.remarks.begin(), reading.remarks.end());
-  }
+  ReadSensors(opened.sensors, dataset);
   LogHealth(dataset);
   CheckSizes(dataset);
   return dataset;

@@ -238,7 +238,7 @@ CalibrationMatrix ReadCovariance(const YamlNode& node) {
 
 StereoRig ReadRigNode(const YamlNode& root, const std::filesystem::path& path) {
   root.RequireKeys({"left", "right", "right_from_left", "baseline_m", "rectified",
-                    "antenna_in_left", "imu_from_left", "sigmas", "pool"});
+                    "antenna_in_left", "imu_from_left", "wheels", "sigmas", "pool"});
   StereoRig rig;
   rig.source = path.string();
   rig.left = ReadEye(root.At("left"), path.parent_path());
@@ -250,6 +250,7 @@ StereoRig ReadRigNode(const YamlNode& root, const std::filesystem::path& path) {
     rig.antenna_in_left = ReadVector(*antenna);
   }
   if (const YamlNode* imu = root.Find("imu_from_left")) rig.imu_from_left = ReadRigid(*imu);
+  if (const YamlNode* wheels = root.Find("wheels")) rig.wheels = ReadWheelsNode(*wheels);
   if (const YamlNode* sigmas = root.Find("sigmas")) {
     sigmas->RequireKeys({"baseline_m", "covariance"});
     if (const YamlNode* baseline = sigmas->Find("baseline_m")) {

@@ -12,6 +12,11 @@
 //   rectified          optional; true promises R = 1 and t along -x, each to 1e-3 rad
 //   antenna_in_left    optional [x, y, z], metres, left camera axes
 //   imu_from_left      optional {R, t}, as above
+//   wheels             optional, of a rover with six drives and four steering joints, in the order
+//                      of scene/rover_sensors.h: contacts_in_imu  18 numbers, where each wheel
+//                             touches level ground, metres, IMU axes
+//                      steered_by       6 numbers: its steering joint 1 to 4; 0: none
+//                      radius_m         optional
 //   sigmas             optional: baseline_m, one standard deviation of the baseline's length; and
 //                      covariance, that of a correction of this rig (scene/calibration.h), 153
 //                      numbers: the upper triangle, row by row

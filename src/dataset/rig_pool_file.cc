@@ -39,7 +39,7 @@ RigPool ReadPool(const YamlNode& node, const std::filesystem::path& path) {
   node.RequireKeys({"start", "parts"});
   const YamlNode& start = node.At("start");
   start.RequireKeys(
-      {"left", "right", "right_from_left", "antenna_in_left", "imu_from_left", "sigmas"});
+      {"left", "right", "right_from_left", "antenna_in_left", "imu_from_left", "wheels", "sigmas"});
   RigPool pool{.start = ReadRigNode(start, path)};
   const YamlNode& parts = node.At("parts");
   if (parts.kind != YamlNode::Kind::kSequence) {

@@ -60,6 +60,7 @@ std::string WriteRigFile(const StereoRig& rig) {
     text += fmt::format("antenna_in_left: {}\n", FormatVector(*rig.antenna_in_left));
   }
   if (rig.imu_from_left) text += fmt::format("imu_from_left:\n{}", FormatRigid(*rig.imu_from_left));
+  if (rig.wheels) text += FormatWheels(*rig.wheels);
   if (rig.baseline_sigma_m || rig.calibration_covariance) text += "sigmas:\n";
   if (rig.baseline_sigma_m) text += fmt::format("  baseline_m: {}\n", *rig.baseline_sigma_m);
   if (rig.calibration_covariance) {

@@ -20,7 +20,7 @@ struct FrameRun {
 struct PartFindings {
   Accuracy accuracy;
   double accuracy_asked_pct = 1.0;
-  double baseline_m = 0.0;  // as the rig file has it
+  double baseline_m = 0.0;  // as the rig file has it; 0: the metres are not of the images
   // By how much the images corrected the rig file, in the right image; nothing if they did not.
   std::optional<double> rig_correction_px;
   int frames = 0;

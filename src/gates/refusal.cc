@@ -61,10 +61,13 @@ std::string AccuracyText(const PartFindings& findings) {
           ? fmt::format("; the rig file was off by {:.2g} px and has been corrected",
                         *findings.rig_correction_px)
           : "";
-  return fmt::format(
-      "metres to {:.2g} % and positions to {} (95 %), if the baseline is {:.2f} mm{}{}",
-      *accuracy.scale_95_pct, LengthText(*accuracy.position_95_m), 1000.0 * findings.baseline_m,
-      accuracy.baseline_95_pct ? " to the sigma that the rig file states" : "", correction);
+  const std::string how_good =
+      fmt::format("metres to {:.2g} % and positions to {} (95 %)", *accuracy.scale_95_pct,
+                  LengthText(*accuracy.position_95_m));
+  if (findings.baseline_m == 0.0) return how_good;
+  return fmt::format("{}, if the baseline is {:.2f} mm{}{}", how_good, 1000.0 * findings.baseline_m,
+                     accuracy.baseline_95_pct ? " to the sigma that the rig file states" : "",
+                     correction);
 }
 
 std::string Usable(const Failed& failed, const std::vector<const Root*>& roots) {

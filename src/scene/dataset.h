@@ -9,6 +9,7 @@
 #include "core/stamp.h"
 #include "scene/rig.h"
 #include "scene/rig_pool.h"
+#include "scene/rover_sensors.h"
 #include "scene/survey.h"
 
 namespace rigmap {
@@ -68,8 +69,10 @@ struct Dataset {
   std::optional<RigPool> rig_pool;               // where the rig's file is of one
   std::vector<StereoFrame> frames;               // strictly increasing stamps
   std::vector<InclinometerSample> inclinometer;  // about one per frame, averaged around its stamp
-  std::string truth_path;                        // a TUM file that came with the data; empty: none
-  std::vector<GnssFix> fixes;                    // of the rover's satellite receiver
+  WheelRecord wheels;          // from somewhat before the first frame to after the last
+  InertialRecord inertial;     // the same, all rows
+  std::string truth_path;      // a TUM file that came with the data; empty: none
+  std::vector<GnssFix> fixes;  // of the rover's satellite receiver
   std::vector<SurveyedLandmark> surveyed_landmarks;  // of the whole traverse
   DatasetHealth health;
 };

@@ -4,6 +4,7 @@
 #include <array>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "geometry/camera.h"
 #include "geometry/rigid3.h"
@@ -36,6 +37,28 @@ struct RigEye {
   }
 };
 
+// A drive of the rover, in the order of its joints (scene/rover_sensors.h).
+struct RoverWheel {
+  Eigen::Vector3d contact_in_imu =
+      Eigen::Vector3d::Zero();  // where it touches level ground, metres
+  std::optional<int> steering;  // its steering joint, if it has one
+
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(contact_in_imu, steering);
+  }
+};
+
+struct RoverWheels {
+  std::optional<double> radius_m;
+  std::vector<RoverWheel> wheels;  // one for each drive
+
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(radius_m, wheels);
+  }
+};
+
 // Two cameras fixed to each other. Camera axes: x right, y down, z forward; the rig frame is the
 // left camera. Lengths in metres.
 struct StereoRig {
@@ -43,6 +66,7 @@ struct StereoRig {
   Rigid3 right_from_left;
   std::optional<Eigen::Vector3d> antenna_in_left;  // GPS antenna, left camera axes
   std::optional<Rigid3> imu_from_left;
+  std::optional<RoverWheels> wheels;       // where the file states their geometry
   std::optional<double> baseline_sigma_m;  // of the baseline's length, where the file states it
   // Of a correction of this rig, where the file states it: what the parts that it was calibrated
   // from leave unknown.
@@ -54,7 +78,7 @@ struct StereoRig {
 
   template <class Archive>
   void serialize(Archive& archive) {
-    archive(left, right, right_from_left, antenna_in_left, imu_from_left, baseline_sigma_m,
+    archive(left, right, right_from_left, antenna_in_left, imu_from_left, wheels, baseline_sigma_m,
             calibration_covariance, source);
   }
 };

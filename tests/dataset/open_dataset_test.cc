@@ -97,6 +97,22 @@ TEST_F(OpenKatwijkTest, FrameRangeMustLieInside) {
   }
 }
 
+TEST_F(OpenKatwijkTest, WhatTheWheelsMeasuredIsPartOfTheContent) {
+  folder_.Write("root/rig.yaml", SampleRigText());
+  FileHashes hashes;
+  const auto key_with = [&](const std::string& first_angle) {
+    std::string row = "2015_11_26_15_23_36_100 " + first_angle;
+    for (int i = 0; i < 32; ++i) row += " 0";
+    folder_.Write("root/Traverse3/Part1/odometry.txt", row + "\n");
+    return HashContent(Open(root_), hashes).Key();
+  };
+  const std::string key = key_with("0.5");
+  EXPECT_EQ(Open(root_).wheels.samples.size(), 1U);
+  EXPECT_EQ(key_with("0.5"), key);
+  EXPECT_NE(key_with("0.6"), key);
+  EXPECT_THAT(Open(root_).inertial.problem, HasSubstr("imu.txt: expected rows"));
+}
+
 TEST_F(OpenKatwijkTest, ImagesMustHaveTheRigsSize) {
   folder_.Write("root/rig.yaml", SampleRigText());
   WriteImage(part_ / "LocCam" / "LocCam_2015_11_26_15_23_36_5_1.png", 16, 24);
@@ -169,6 +185,7 @@ TEST_F(OpenStereoTest, IsRecognisedWithItsRig) {
   EXPECT_EQ(dataset.frames.size(), 2U);
   EXPECT_EQ(dataset.rig.Baseline(), 0.12);
   EXPECT_THAT(dataset.inclinometer, IsEmpty());
+  EXPECT_THAT(dataset.wheels.problem, HasSubstr("neither wheels nor an inertial unit"));
 }
 
 TEST_F(OpenStereoTest, NeedsItsOwnRig) {

@@ -103,6 +103,30 @@ TEST_F(RigFileTest, MayStateTheCovarianceOfItsCalibration) {
               HasSubstr("not positive definite"));
 }
 
+TEST_F(RigFileTest, MayStateWhereARoversWheelsAre) {
+  EXPECT_FALSE(Read(SampleRigText()).wheels);
+  const std::string contacts =
+      "contacts_in_imu: [-0.6,-0.4,-0.5, -0.6,0.4,-0.5, 0,-0.4,-0.5, 0,0.4,-0.5, "
+      "0.6,-0.4,-0.5, 0.6,0.4,-0.5]";
+  const StereoRig rig = Read(SampleRigText() + "wheels: {radius_m: 0.12, " + contacts +
+                             ", steered_by: [1, 2, 0, 0, 3, 4]}\n");
+  ASSERT_TRUE(rig.wheels);
+  EXPECT_EQ(rig.wheels->radius_m, 0.12);
+  ASSERT_EQ(rig.wheels->wheels.size(), 6U);
+  EXPECT_EQ(rig.wheels->wheels[5].contact_in_imu, Eigen::Vector3d(0.6, 0.4, -0.5));
+  EXPECT_EQ(rig.wheels->wheels[4].steering, 2);
+  EXPECT_FALSE(rig.wheels->wheels[3].steering);
+  const std::string text = WriteRigFile(rig);
+  EXPECT_EQ(WriteRigFile(Read(text)), text);
+  const auto about = [&](const std::string& keys) {
+    return ComplaintAbout("wheels: {" + contacts + ", " + keys + "}");
+  };
+  EXPECT_THAT(about("steered_by: [1, 2, 0, 0, 3, 5]"), HasSubstr("steering joints 1 to 4"));
+  EXPECT_THAT(about("steered_by: [1, 2, 0, 0, 3, 4], radius_m: 0"), HasSubstr("above 0"));
+  EXPECT_THAT(about("steered_by: [1, 2]"), HasSubstr("6"));
+  EXPECT_THAT(about("steered_by: [1, 2, 0, 0, 3, 4], colour: red"), HasSubstr("colour"));
+}
+
 TEST_F(RigFileTest, WriteAndReadAreInverse) {
   std::mt19937 random(11);
   std::uniform_real_distribution<double> number(-0.02, 0.02);

@@ -28,6 +28,8 @@ const std::map<std::string, Names> kReaders{
     {"masks", {"features", "dense"}},
     {"features", {"features"}},
     {"odometry", {"odometry", "adjustment"}},
+    {"dead_reckoning", {}},
+    {"filter", {}},
     {"matching", {"matching"}},
     {"matching.min_inliers", {"matching", "mapping"}},
     {"colmap", {}},
@@ -216,8 +218,15 @@ TEST(TechniqueNames, ReadBackAndListWhatThereIs) {
   for (const Technique technique : AllTechniques()) {
     EXPECT_EQ(ParseTechnique(NameOf(technique)), technique);
   }
+  EXPECT_THAT(
+      MessageOf<UsageError>([] { ParseTechnique("icp2"); }),
+      AllOf(HasSubstr("rig, colmap, sfm, combined, vo, klt, wheels, filter"), HasSubstr("'icp2'")));
+  for (const Technique technique :
+       {Technique::kRig, Technique::kVisualOdometry, Technique::kWheels, Technique::kFilter}) {
+    EXPECT_EQ(ParseTechnique(NameOf(technique)), technique);
+  }
   EXPECT_THAT(MessageOf<UsageError>([] { ParseTechnique("icp2"); }),
-              AllOf(HasSubstr("rig, colmap, sfm, combined, vo, klt"), HasSubstr("'icp2'")));
+              AllOf(HasSubstr("rig, vo, wheels, filter"), HasSubstr("'icp2'")));
 }
 
 }  // namespace

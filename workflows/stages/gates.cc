@@ -138,6 +138,24 @@ Report JudgeOdometric(const Dataset& dataset, const FeatureIndex& features,
   return ReportPart(inputs, {mapping, poses, adjustment, calibration, {}});
 }
 
+Report JudgeDeadReckoned(const Dataset& dataset, const FeatureIndex& features,
+                         const Odometry& steps, const OdometricPart& part,
+                         const MappingGateOptions& mapping, const PoseGateOptions& poses,
+                         const AdjustmentGateOptions& adjustment,
+                         const CalibrationGateOptions& calibration) {
+  // Poses owe nothing to the cameras, so the baseline's sigma is not theirs.
+  Dataset without = {.rig = dataset.rig};
+  without.rig.baseline_sigma_m.reset();
+  Report report =
+      JudgeOdometric(without, features, steps, part, mapping, poses, adjustment, calibration);
+  Report& verdict = report["verdict"];
+  verdict["known"]["baseline_m"] = 0.0;
+  std::string text = verdict["text"];
+  text.resize(text.rfind(';') == std::string::npos ? 0 : text.rfind(';') + 2);
+  verdict["text"] = text + "by the wheels, the sigma of their radius and slip counted";
+  return report;
+}
+
 Report JudgeDepths(const DepthIndex& depths, const DepthGateOptions& options) {
   return ReportGates({JudgeDepthBias(depths.bias_px, options)});
 }
@@ -163,6 +181,13 @@ OdometricGatesCheck OdometricGates() {
           .code = CodeHere(),
           .make = JudgeOdometric,
           .about = "the gates that apply to poses that nothing adjusted"};
+}
+
+OdometricGatesCheck DeadReckonedGates() {
+  return {.name = "gates",
+          .code = CodeHere(),
+          .make = JudgeDeadReckoned,
+          .about = "the gates that apply to poses that wheels and gyro tell"};
 }
 
 DepthGatesCheck DepthGates() {

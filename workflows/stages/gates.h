@@ -29,6 +29,9 @@ using OdometricGatesCheck = Check<
     Reads<MappingGateOptions, PoseGateOptions, AdjustmentGateOptions, CalibrationGateOptions>>;
 OdometricGatesCheck OdometricGates();
 
+// The same where wheels alone tell the metres.
+OdometricGatesCheck DeadReckonedGates();
+
 using DepthGatesCheck = Check<Takes<DepthIndex>, Reads<DepthGateOptions>>;
 DepthGatesCheck DepthGates();
 

@@ -12,6 +12,10 @@ namespace rigmap {
 // Of a rig file's top level; a key `pool` is passed over. `path` is what masks are relative to.
 StereoRig ReadRigNode(const YamlNode& root, const std::filesystem::path& path);
 
+// Of the key `wheels`, and back.
+RoverWheels ReadWheelsNode(const YamlNode& node);
+std::string FormatWheels(const RoverWheels& rover);
+
 // Of its upper triangle, row by row; must be positive definite.
 CalibrationMatrix ReadCovariance(const YamlNode& node);
 // "[...]" as ReadCovariance takes it.

@@ -1,0 +1,34 @@
+// The wheels and the inertial unit of a Katwijk part, as dead reckoning uses them.
+//
+// odometry.txt, a row: stamp; angle (rad), rate (rad/s) and an analogue value of six drives (three
+// axles from the front to the rear, left before right) and of four steering joints (front left,
+// front right, rear left, rear right); rocker, left and right bogie (rad): 34 fields. The analogue
+// values and the last three are not used.
+// imu.txt: see inclinometer.h. The first acceleration is not used.
+#pragma once
+
+#include <filesystem>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "scene/dataset.h"
+
+namespace rigmap {
+
+struct RoverSensorReading {
+  WheelRecord wheels;
+  InertialRecord inertial;
+  std::vector<std::string> remarks;  // on rows that were left out
+};
+
+// The rows from 30 s before the first frame, where a rover may stand still and its gyro tell its
+// bias, to 2 s after the last. Rows that are malformed or repeat a stamp are left out with a
+// remark. `problem` is set where there is no file or row that can be used, where the clock goes
+// back, where the angles of the drives do not change as their rates say, and where the inclinometer
+// does not show gravity: what columns that were exchanged lead to. `frames`: increasing stamps, not
+// empty.
+RoverSensorReading ReadRoverSensors(const std::filesystem::path& part_folder,
+                                    std::span<const StereoFrame> frames);
+
+}  // namespace rigmap

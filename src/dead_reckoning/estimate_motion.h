@@ -1,0 +1,54 @@
+// Dead reckoning: how a rover moved, by its wheels, its gyro, its inclinometer and, if there is
+// any, visual motion.
+//
+// The point on the ground amid the wheels moves straight ahead as far as unsteered wheels roll; the
+// gyro turns the rover about it; the inclinometer holds it level in the mean. Estimated along with
+// the poses: the gyro's bias and scale, the scale of the wheels (radius and lasting slip), the
+// direction of travel and the contact point against the IMU, which way is up, the level of the
+// inclinometer, the scale of visual motion. Assumed: all stamps are of one clock, the IMU sits
+// fixed to the cameras, as the rig states.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "dead_reckoning/dead_reckoning_options.h"
+#include "scene/dataset.h"
+#include "scene/odometry.h"
+
+namespace rigmap {
+
+// A motion that the images of two frames show; from < to.
+struct VisualStep {
+  int from = 0, to = 0;
+  Rigid3 to_from_from;
+  Matrix6d covariance = Matrix6d::Identity();  // left perturbation: translation (m), rotation (rad)
+};
+
+// What odometry measured, one step at most for each frame.
+std::vector<VisualStep> VisualSteps(const Odometry& odometry);
+
+struct EstimatedPose {
+  Rigid3 gauge_from_left;  // gauge: the left camera of the first frame
+  // Of its position (m) and rotation (rad, exp(error) * estimated), gauge axes.
+  Matrix6d covariance = Matrix6d::Zero();
+  bool is_measured = true;  // by images, or by wheels and gyro all the way from the frame before
+};
+
+struct EstimatedMotion {
+  std::vector<EstimatedPose> poses;  // of each frame
+  // True over stated metres of a wheel's turn, as the whole part tells it, and its sigma.
+  double wheel_scale = 1.0, wheel_scale_sigma = 0.0;
+  Eigen::Vector3d gyro_bias_radps = Eigen::Vector3d::Zero();
+  std::vector<int> slips;   // frames before which the wheels went another way than the images
+  std::vector<int> misled;  // frames whose visual motion nothing else bears out: not used
+};
+
+// Of all frames. `visual` may be empty, in any order. A DataError says in one sentence why it
+// cannot be done: the rig does not state its IMU, or a sensor that is to be used has no samples, a
+// gap (without `visual` only) or a problem.
+EstimatedMotion EstimateMotion(const Dataset& dataset, std::span<const VisualStep> visual,
+                               const DeadReckoningOptions& options, const FilterOptions& filter);
+
+}  // namespace rigmap

@@ -1,0 +1,26 @@
+#include "dead_reckoning/estimate_motion.h"
+
+namespace rigmap {
+
+std::vector<VisualStep> VisualSteps(const Odometry& odometry) {
+  std::vector<VisualStep> steps;
+  for (int i = 0; i < static_cast<int>(odometry.size()); ++i) {
+    const OdometryFrame& frame = odometry[i];
+    if (frame.source != PoseSource::kOdometry || frame.reference == i) continue;
+    const Rigid3 frame_from_reference = OdometricStep(odometry, i, frame.reference);
+    if (frame.reference < i) {
+      steps.push_back({frame.reference, i, frame_from_reference, frame.step_covariance});
+      continue;
+    }
+    // The other way round, with its covariance in the other camera's axes.
+    const Rigid3 back = frame_from_reference.Inverse();
+    const Eigen::Matrix3d turn = back.rotation.toRotationMatrix();
+    Matrix6d carry = Matrix6d::Zero();
+    carry.topLeftCorner<3, 3>() = carry.bottomRightCorner<3, 3>() = turn;
+    carry.topRightCorner<3, 3>() = Skew(back.translation) * turn;
+    steps.push_back({i, frame.reference, back, carry * frame.step_covariance * carry.transpose()});
+  }
+  return steps;
+}
+
+}  // namespace rigmap
