@@ -22,6 +22,7 @@
 #include "matching/matching_options.h"
 #include "odometry/odometry_options.h"
 #include "raster/raster_options.h"
+#include "registration/registration_options.h"
 #include "scale/scale_options.h"
 #include "scene/voxel_options.h"
 
@@ -37,6 +38,9 @@ struct PartOptions {
   KeyframeGraphOptions keyframe_graph;  // in the section of mapping
   ScaleOptions scale;
   AdjustmentOptions adjustment;
+  CloudOptions clouds;  // in the section of registration
+  RegistrationOptions registration;
+  MergeOptions merging;  // in the section of registration
   DenseOptions dense;
   DepthMapOptions depth_maps;  // in the section of dense
   VoxelOptions voxel;          // in the section of fusion

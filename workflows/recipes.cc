@@ -11,7 +11,7 @@ namespace {
 
 using Recipe = StageGraph (*)(const Dataset&, const DatasetContent&, const PartOptions&);
 // In the order of the enumeration.
-constexpr std::array<Recipe, 2> kRecipes{RigRecipe, VisualOdometryRecipe};
+constexpr std::array<Recipe, 3> kRecipes{RigRecipe, VisualOdometryRecipe, IcpRecipe};
 static_assert(kRecipes.size() == NamesOf(Technique{}).size());
 
 }  // namespace

@@ -20,9 +20,13 @@ StageGraph RigRecipe(const Dataset& dataset, const DatasetContent& content,
 StageGraph VisualOdometryRecipe(const Dataset& dataset, const DatasetContent& content,
                                 const PartOptions& options);
 
+// Clouds of single frames chained by ICP, laid over each other.
+StageGraph IcpRecipe(const Dataset& dataset, const DatasetContent& content,
+                     const PartOptions& options);
+
 // As --technique names them.
-enum class Technique { kRig, kVisualOdometry };
-constexpr auto NamesOf(Technique) { return std::array{"rig", "vo"}; }
+enum class Technique { kRig, kVisualOdometry, kIcp };
+constexpr auto NamesOf(Technique) { return std::array{"rig", "vo", "icp"}; }
 // Throws UsageError listing what there is.
 Technique ParseTechnique(const std::string& name);
 

@@ -2,7 +2,9 @@
 #pragma once
 
 #include "workflows/part_options.h"
+#include "workflows/stages/dense.h"
 #include "workflows/stages/features.h"
+#include "workflows/stages/fusion.h"
 #include "workflows/stages/inputs.h"
 #include "workflows/stages/posed_part.h"
 
@@ -19,5 +21,12 @@ struct SurfaceInputs {
 
 // Adds dense, fusion, raster, views and evaluation.
 void AddSurface(StageGraph& graph, const PartOptions& options, const SurfaceInputs& inputs);
+
+// The same in pieces, for a technique with depth or a map of its own: what is made and judged of
+// depth maps alone, and what is made of a map. The first gives the check of the depths.
+Node<Report> AddDepthProducts(StageGraph& graph, const PartOptions& options,
+                              const SurfaceInputs& inputs, Node<DepthIndex> depths);
+void AddMapProducts(StageGraph& graph, const PartOptions& options, const SurfaceInputs& inputs,
+                    Node<Report> depth_gates, Node<FusedMap> map);
 
 }  // namespace rigmap

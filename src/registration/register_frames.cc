@@ -1,0 +1,146 @@
+#include "registration/register_frames.h"
+
+#include <pcl/console/print.h>
+#include <spdlog/spdlog.h>
+
+#include <deque>
+
+#include "registration/internal/cloud_alignment.h"
+
+namespace rigmap {
+namespace {
+
+struct PosedCloud {
+  int frame = 0;
+  FrameCloud cloud;
+};
+
+class Chain {
+ public:
+  Chain(const Odometry& odometry, double grid_m, const RegistrationOptions& options)
+      : odometry_(odometry), grid_m_(grid_m), options_(options) {}
+
+  void Add(int frame, FrameCloud cloud) {
+    OdometryFrame entry{.stamp_ns = odometry_[frame].stamp_ns};
+    RegisteredFrame found;
+    entry.reference = std::max(0, frame - 1);
+    if (frame > 0) entry.world_from_left = Guess(frame);
+    if (map_.empty()) {
+      // The first cloud is the datum: all others hang on it.
+      if (!cloud.empty()) {
+        entry = {.stamp_ns = entry.stamp_ns,
+                 .world_from_left = entry.world_from_left,
+                 .reference = frame,
+                 .source = PoseSource::kOdometry,
+                 .keyframe = true};
+        found.converged = true;
+        found.overlap = 1.0;
+      }
+    } else if (!cloud.empty()) {
+      Register(frame, cloud, entry, found);
+    }
+    registration_.motion.push_back(entry);
+    if (entry.source == PoseSource::kOdometry) {
+      Close(frame, cloud, found);
+      if (entry.keyframe) map_.push_back({frame, cloud});
+      if (map_.size() > static_cast<std::size_t>(options_.map_keyframes)) map_.pop_front();
+      recent_.push_back({frame, std::move(cloud)});
+      if (recent_.size() > 2) recent_.pop_front();
+    }
+    registration_.frames.push_back(found);
+  }
+
+  Registration Take() {
+    registration_.grid_m = grid_m_;
+    return std::move(registration_);
+  }
+
+ private:
+  const Rigid3& PoseOf(int frame) const { return registration_.motion[frame].world_from_left; }
+
+  Rigid3 Guess(int frame) const {
+    const Rigid3& before = PoseOf(frame - 1);
+    if (options_.first_guess == FirstGuess::kNone) return before;
+    const bool is_measured = odometry_[frame].source == PoseSource::kOdometry;
+    if (options_.first_guess == FirstGuess::kOdometry && is_measured) {
+      return before * OdometricStep(odometry_, frame - 1, frame);
+    }
+    return PredictPose(registration_.motion, odometry_[frame].stamp_ns);
+  }
+
+  // The clouds of the last keyframes in the axes of the last.
+  PclCloud::Ptr LocalMap() const {
+    auto all = std::make_shared<PclCloud>();
+    const Rigid3 last_from_world = PoseOf(map_.back().frame).Inverse();
+    for (const PosedCloud& keyframe : map_) {
+      AppendMoved(keyframe.cloud, last_from_world * PoseOf(keyframe.frame), *all);
+    }
+    return all;
+  }
+
+  void Register(int frame, const FrameCloud& cloud, OdometryFrame& entry, RegisteredFrame& found) {
+    const int reference = map_.back().frame;
+    const Rigid3& world_from_reference = PoseOf(reference);
+    const CloudAlignment aligned =
+        Align(ToPcl(cloud), LocalMap(), world_from_reference.Inverse() * entry.world_from_left,
+              grid_m_, options_);
+    found.converged = aligned.converged;
+    found.overlap = aligned.overlap;
+    found.rms_m = aligned.rms_m;
+    if (!aligned.converged || aligned.overlap < options_.min_overlap) {
+      spdlog::info("frame {}: not registered, overlap {:.2f}", frame, aligned.overlap);
+      return;
+    }
+    entry.reference = reference;
+    entry.world_from_left = world_from_reference * aligned.target_from_source;
+    entry.source = PoseSource::kOdometry;
+    entry.keyframe =
+        options_.keyframe_overlap == 1.0 || aligned.overlap < options_.keyframe_overlap;
+    // Of left_from_reference: the inverse of the motion that was found.
+    const Rigid3 left_from_reference = aligned.target_from_source.Inverse();
+    Matrix6d adjoint = Matrix6d::Zero();
+    const Eigen::Matrix3d rotation = left_from_reference.rotation.toRotationMatrix();
+    adjoint.topLeftCorner<3, 3>() = adjoint.bottomRightCorner<3, 3>() = rotation;
+    adjoint.topRightCorner<3, 3>() = Skew(left_from_reference.translation) * rotation;
+    entry.step_covariance = options_.shared_noise * options_.shared_noise * adjoint *
+                            aligned.covariance * adjoint.transpose();
+  }
+
+  // Against the frame before the last.
+  void Close(int frame, const FrameCloud& cloud, RegisteredFrame& found) const {
+    if (recent_.size() < 2) return;
+    const PosedCloud& other = recent_.front();
+    const Rigid3 chained = PoseOf(other.frame).Inverse() * PoseOf(frame);
+    const CloudAlignment aligned =
+        Align(ToPcl(cloud), ToPcl(other.cloud), chained, grid_m_, options_);
+    if (!aligned.converged || aligned.overlap < options_.min_overlap) return;
+    const Rigid3 off = chained.Inverse() * aligned.target_from_source;
+    found.closure_m = off.translation.norm();
+    found.closure_rad = AngleOf(off.rotation);
+  }
+
+  const Odometry& odometry_;
+  double grid_m_;
+  const RegistrationOptions& options_;
+  std::deque<PosedCloud> map_;     // keyframes
+  std::deque<PosedCloud> recent_;  // the last two registered frames
+  Registration registration_;
+};
+
+}  // namespace
+
+Registration RegisterFrames(const CloudSource& clouds, const Odometry& odometry, double grid_m,
+                            const RegistrationOptions& asked, const UnmeasuredMotion& unmeasured) {
+  RequireValid(asked);
+  pcl::console::setVerbosityLevel(pcl::console::L_ALWAYS);  // its messages are for its users
+  const RegistrationOptions options = Resolved(asked);
+  Chain chain(odometry, grid_m, options);
+  for (std::size_t i = 0; i < odometry.size(); ++i) {
+    chain.Add(static_cast<int>(i), clouds(static_cast<int>(i)));
+  }
+  Registration registration = chain.Take();
+  SetPredictionCovariances(registration.motion, unmeasured);
+  return registration;
+}
+
+}  // namespace rigmap
