@@ -30,10 +30,10 @@ StageGraph IcpRecipe(const Dataset& data, const DatasetContent& data_content,
   // laid into the world as they are
   const auto part =
       g.AddStage(OdometricTrajectory(), Reading(o.odometry), dataset, features, motion);
-  const auto gates =
-      g.AddCheck(OdometricGates(),
-                 Reading(o.gates.mapping, o.gates.poses, o.gates.adjustment, o.gates.calibration),
-                 dataset, found, motion, part);
+  const auto gates = g.AddCheck(RegistrationGates(),
+                                Reading(o.gates.mapping, o.gates.poses, o.gates.adjustment,
+                                        o.gates.calibration, o.gates.registration),
+                                dataset, found, odometry, registration, part);
   const auto posed = g.AddView(PosedByOdometry, dataset, part);
 
   // the same clouds, merged -> coloured map, judged

@@ -5,8 +5,9 @@
 #include <pcl/registration/correspondence_rejection_trimmed.h>
 #include <pcl/registration/gicp.h>
 #include <pcl/registration/icp.h>
+#include <pcl/registration/transformation_estimation_point_to_plane_lls_weighted.h>
 
-#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <array>
 #include <cmath>
@@ -33,7 +34,11 @@ Rigid3 ToRigid(const Eigen::Matrix4f& matrix) {
 std::unique_ptr<Icp> Make(const RegistrationOptions& options) {
   switch (options.method) {
     case RegistrationMethod::kPointToPlane: {
-      return std::make_unique<pcl::IterativeClosestPointWithNormals<PclPoint, PclPoint>>();
+      auto icp = std::make_unique<pcl::IterativeClosestPointWithNormals<PclPoint, PclPoint>>();
+      icp->setTransformationEstimation(
+          std::make_shared<pcl::registration::TransformationEstimationPointToPlaneLLSWeighted<
+              PclPoint, PclPoint>>());
+      return icp;
     }
     case RegistrationMethod::kGeneralized: {
       auto icp = std::make_unique<pcl::GeneralizedIterativeClosestPoint<PclPoint, PclPoint>>();
@@ -46,6 +51,48 @@ std::unique_ptr<Icp> Make(const RegistrationOptions& options) {
   }
   return std::make_unique<Icp>();
 }
+
+// Weight of a pair's distance off the plane of its target, whose cloud and the source's were seen
+// from about `camera`: both points are known by their sigmas along rays, of which a plane seen edge
+// on shows little.
+float WeightOf(const PclPoint& source, const PclPoint& target, const Eigen::Vector3f& camera,
+               double grid_m) {
+  constexpr float kLeastShare = 0.1F;  // of a box: by so much surfaces are no planes
+  const Eigen::Vector3f ray = (target.getVector3fMap() - camera).normalized();
+  const float off_m = std::abs(ray.dot(target.getNormalVector3fMap())) *
+                      std::hypot(target.curvature, source.curvature);
+  const float least_m = kLeastShare * static_cast<float>(grid_m);
+  return 1.0F / (off_m * off_m + least_m * least_m);
+}
+
+// Rejects nothing: gives the pairs their weights, which PCL's weighted estimation reads.
+class WeighPairs : public pcl::registration::CorrespondenceRejector {
+ public:
+  WeighPairs(PclCloud::ConstPtr source, PclCloud::ConstPtr target, const Eigen::Vector3f& camera,
+             double grid_m)
+      : source_(std::move(source)), target_(std::move(target)), camera_(camera), grid_m_(grid_m) {
+    rejection_name_ = "WeighPairs";
+  }
+
+  void getRemainingCorrespondences(const pcl::Correspondences& given,
+                                   pcl::Correspondences& remaining) override {
+    remaining = given;
+    for (pcl::Correspondence& pair : remaining) {
+      pair.weight =
+          WeightOf((*source_)[pair.index_query], (*target_)[pair.index_match], camera_, grid_m_);
+    }
+  }
+
+ protected:
+  void applyRejection(pcl::Correspondences& correspondences) override {
+    getRemainingCorrespondences(*input_correspondences_, correspondences);
+  }
+
+ private:
+  PclCloud::ConstPtr source_, target_;
+  Eigen::Vector3f camera_;
+  double grid_m_;
+};
 
 void AddRejectors(Icp& icp, const RegistrationOptions& options) {
   if (options.max_normal_angle_deg < 180.0) {
@@ -60,6 +107,13 @@ void AddRejectors(Icp& icp, const RegistrationOptions& options) {
   }
 }
 
+// Of the distance of x from a plane with this normal, by a left perturbation of what moved x.
+Vector6d DistanceDerivative(const Eigen::Vector3d& x, const Eigen::Vector3d& normal) {
+  Vector6d derivative;
+  derivative << normal, x.cross(normal);
+  return derivative;
+}
+
 // What the planes of the target say of points of the source that lie where they were registered.
 void Judge(const PclCloud& source, const PclCloud::Ptr& target, double grid_m,
            CloudAlignment& alignment) {
@@ -67,6 +121,7 @@ void Judge(const PclCloud& source, const PclCloud::Ptr& target, double grid_m,
   pcl::search::KdTree<PclPoint> tree;
   tree.setInputCloud(target);
   const double limit_m2 = std::pow(kCounterpartGrids * grid_m, 2);
+  const Eigen::Vector3f camera = alignment.target_from_source.translation.cast<float>();
   Matrix6d information = Matrix6d::Zero();
   std::map<std::array<int, 3>, Vector6d> scores;
   double squares_m2 = 0.0;
@@ -82,12 +137,15 @@ void Judge(const PclCloud& source, const PclCloud::Ptr& target, double grid_m,
     const PclPoint& other = (*target)[nearest[0]];
     const Eigen::Vector3d normal = other.getNormalVector3fMap().cast<double>();
     const double residual_m = normal.dot(x - other.getVector3fMap().cast<double>());
-    Vector6d derivative;
-    derivative << normal, x.cross(normal);
-    information += derivative * derivative.transpose();
+    const Vector6d derivative = DistanceDerivative(x, normal);
+    const Vector6d by_source = DistanceDerivative(
+        x, alignment.target_from_source.rotation * point.getNormalVector3fMap().cast<double>());
+    const double weight = WeightOf(point, other, camera, grid_m);
+    information +=
+        0.5 * weight * (derivative * by_source.transpose() + by_source * derivative.transpose());
     const Eigen::Array3d cluster = (x / (kClusterGrids * grid_m)).array().floor();
     scores.try_emplace({int(cluster[0]), int(cluster[1]), int(cluster[2])}, Vector6d::Zero())
-        .first->second += residual_m * derivative;
+        .first->second += weight * residual_m * derivative;
     squares_m2 += residual_m * residual_m;
     ++counterparts;
   }
@@ -95,9 +153,11 @@ void Judge(const PclCloud& source, const PclCloud::Ptr& target, double grid_m,
   alignment.rms_m = std::sqrt(squares_m2 / std::max(1, counterparts));
   Matrix6d scatter = Matrix6d::Zero();
   for (const auto& [cluster, score] : scores) scatter += score * score.transpose();
+  const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(information);
+  alignment.held = eigen.eigenvalues()[0] > 0.0;
+  if (!alignment.held) return;
   const Matrix6d inverse = information.inverse();
   alignment.covariance = inverse * scatter * inverse;
-  if (!alignment.covariance.allFinite()) alignment.converged = false;
 }
 
 }  // namespace
@@ -116,6 +176,10 @@ CloudAlignment Align(const PclCloud::Ptr& source, const PclCloud::Ptr& target,
     icp->setMaxCorrespondenceDistance(options.max_correspondence_grids * grid_m);
   }
   AddRejectors(*icp, options);
+  const Eigen::Vector3f camera = guessed_target_from_source.translation.cast<float>();
+  if (options.method == RegistrationMethod::kPointToPlane) {
+    icp->addCorrespondenceRejector(std::make_shared<WeighPairs>(source, target, camera, grid_m));
+  }
   PclCloud moved;
   icp->align(moved, ToMatrix(guessed_target_from_source));
   CloudAlignment alignment{.target_from_source = ToRigid(icp->getFinalTransformation()),

@@ -15,9 +15,13 @@ namespace {
 
 constexpr double kDisparitySigma_px = 0.1;  // of ground, as SGM and its refinement leave it
 
+// The least of 1, 2 and 5 times a power of ten that is not below `value`.
 double RoundedUp(double value) {
   const double power = std::pow(10.0, std::floor(std::log10(value)));
-  return value <= power ? power : value <= 3.0 * power ? 3.0 * power : 10.0 * power;
+  for (const double digit : {1.0, 2.0, 5.0}) {
+    if (value <= digit * power) return digit * power;
+  }
+  return 10.0 * power;
 }
 
 bool IsWithin(const Eigen::Vector3d& x_in_left, const CloudLimits& limits) {
@@ -76,7 +80,7 @@ void SetNormals(const PclCloud::Ptr& cloud) {
 
 CloudLimits LimitsFor(const StereoRig& rig, double near_m, const CloudOptions& options) {
   RequireValid(options);
-  constexpr double kNearShare = 1.0 / 30.0;
+  constexpr double kNearShare = 1.0 / 40.0;
   CloudLimits limits{options.grid_m,
                      options.min_depth_m,
                      options.max_depth_m,

@@ -33,7 +33,7 @@ class Chain {
                  .reference = frame,
                  .source = PoseSource::kOdometry,
                  .keyframe = true};
-        found.converged = true;
+        found.converged = found.held = true;
         found.overlap = 1.0;
       }
     } else if (!cloud.empty()) {
@@ -56,6 +56,10 @@ class Chain {
   }
 
  private:
+  bool Holds(const CloudAlignment& aligned) const {
+    return aligned.converged && aligned.held && aligned.overlap >= options_.min_overlap;
+  }
+
   const Rigid3& PoseOf(int frame) const { return registration_.motion[frame].world_from_left; }
 
   Rigid3 Guess(int frame) const {
@@ -85,10 +89,13 @@ class Chain {
         Align(ToPcl(cloud), LocalMap(), world_from_reference.Inverse() * entry.world_from_left,
               grid_m_, options_);
     found.converged = aligned.converged;
+    found.held = aligned.held;
     found.overlap = aligned.overlap;
     found.rms_m = aligned.rms_m;
-    if (!aligned.converged || aligned.overlap < options_.min_overlap) {
-      spdlog::info("frame {}: not registered, overlap {:.2f}", frame, aligned.overlap);
+    if (!Holds(aligned)) {
+      spdlog::info("frame {}: not registered: {}, {}, overlap {:.2f}", frame,
+                   aligned.converged ? "converged" : "not converged",
+                   aligned.held ? "held" : "not held by the surface", aligned.overlap);
       return;
     }
     entry.reference = reference;
@@ -113,7 +120,7 @@ class Chain {
     const Rigid3 chained = PoseOf(other.frame).Inverse() * PoseOf(frame);
     const CloudAlignment aligned =
         Align(ToPcl(cloud), ToPcl(other.cloud), chained, grid_m_, options_);
-    if (!aligned.converged || aligned.overlap < options_.min_overlap) return;
+    if (!Holds(aligned)) return;
     const Rigid3 off = chained.Inverse() * aligned.target_from_source;
     found.closure_m = off.translation.norm();
     found.closure_rad = AngleOf(off.rotation);

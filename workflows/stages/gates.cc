@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "gates/refusal.h"
+#include "gates/registration_gates.h"
 #include "pipeline/code_identity.h"
 #include "workflows/stages/depth_consistency_report.h"
 #include "workflows/stages/mapping.h"
@@ -110,7 +111,7 @@ Report JudgeAdjusted(const Dataset& dataset, const FeatureIndex& features,
                           was_mapped ? &aligned : nullptr,
                           features.epipolar_px,
                           DepthConsistencyOf(part.adjustment)};
-  return ReportPart(inputs, {mapping, poses, adjustment, calibration, {}});
+  return ReportPart(inputs, {mapping, poses, adjustment, calibration, {}, {}});
 }
 
 Report JudgeOdometric(const Dataset& dataset, const FeatureIndex& features,
@@ -122,7 +123,22 @@ Report JudgeOdometric(const Dataset& dataset, const FeatureIndex& features,
   none.world_from_left.resize(odometry.size());
   const GateInputs inputs{dataset.rig,     odometry, none,
                           part.trajectory, nullptr,  features.epipolar_px};
-  return ReportPart(inputs, {mapping, poses, adjustment, calibration, {}});
+  return ReportPart(inputs, {mapping, poses, adjustment, calibration, {}, {}});
+}
+
+Report JudgeRegistered(const Dataset& dataset, const FeatureIndex& features,
+                       const Odometry& odometry, const Registration& registration,
+                       const OdometricPart& part, const MappingGateOptions& mapping,
+                       const PoseGateOptions& poses, const AdjustmentGateOptions& adjustment,
+                       const CalibrationGateOptions& calibration,
+                       const RegistrationGateOptions& of_registration) {
+  const Adjustment registered = AsAdjustment(registration);
+  const GateInputs inputs{dataset.rig,     odometry, registered,
+                          part.trajectory, nullptr,  features.epipolar_px};
+  Report report = ReportPart(inputs, {mapping, poses, adjustment, calibration, {}, {}});
+  const Report more = ReportGates(JudgeRegistration(registration, of_registration));
+  for (const Report& gate : more.at("gates")) report["gates"].push_back(gate);
+  return report;
 }
 
 Report JudgeDepths(const DepthIndex& depths, const DepthGateOptions& options) {
@@ -143,6 +159,13 @@ OdometricGatesCheck OdometricGates() {
           .code = CodeHere(),
           .make = JudgeOdometric,
           .about = "the gates that apply to poses that nothing adjusted"};
+}
+
+RegistrationGatesCheck RegistrationGates() {
+  return {.name = "gates",
+          .code = CodeHere(),
+          .make = JudgeRegistered,
+          .about = "whether registrations contradict each other, themselves or the odometry"};
 }
 
 DepthGatesCheck DepthGates() {

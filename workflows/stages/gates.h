@@ -5,6 +5,7 @@
 
 #include "gates/findings.h"
 #include "pipeline/stage.h"
+#include "registration/registration.h"
 #include "workflows/stages/adjustment.h"
 #include "workflows/stages/dense.h"
 #include "workflows/stages/features.h"
@@ -22,6 +23,13 @@ using OdometricGatesCheck = Check<
     Takes<Dataset, FeatureIndex, Odometry, OdometricPart>,
     Reads<MappingGateOptions, PoseGateOptions, AdjustmentGateOptions, CalibrationGateOptions>>;
 OdometricGatesCheck OdometricGates();
+
+// Of clouds chained by ICP, with what the visual odometry measured of the same motion beside it.
+using RegistrationGatesCheck =
+    Check<Takes<Dataset, FeatureIndex, Odometry, Registration, OdometricPart>,
+          Reads<MappingGateOptions, PoseGateOptions, AdjustmentGateOptions, CalibrationGateOptions,
+                RegistrationGateOptions>>;
+RegistrationGatesCheck RegistrationGates();
 
 using DepthGatesCheck = Check<Takes<DepthIndex>, Reads<DepthGateOptions>>;
 DepthGatesCheck DepthGates();

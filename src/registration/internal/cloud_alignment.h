@@ -13,12 +13,16 @@ namespace rigmap {
 struct CloudAlignment {
   Rigid3 target_from_source;
   bool converged = false;
+  // Whether the surfaces hold the cloud in all directions. Normals of a smooth plane are noisy, and
+  // noise looks as if it held; information is therefore taken from products of normals of either
+  // cloud, whose noise is not the same.
+  bool held = false;
   // Share of the source's points that have a counterpart within kCounterpartGrids boxes.
   double overlap = 0.0;
   double rms_m = 0.0;  // of their distances from the target's planes
   // Of target_from_source, as a left perturbation (translation m, rotation rad): what the planes
   // around the counterparts tell, whichever distances were made small. Residuals near each other go
-  // together (cluster-robust, Liang and Zeger 1986).
+  // together (cluster-robust, Liang and Zeger 1986). Zero where nothing holds.
   Matrix6d covariance = Matrix6d::Zero();
 };
 

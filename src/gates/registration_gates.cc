@@ -1,0 +1,60 @@
+#include "gates/registration_gates.h"
+
+#include <algorithm>
+
+#include "core/statistics.h"
+
+namespace rigmap {
+namespace {
+
+std::optional<double> UnheldShare(const Registration& registration) {
+  if (registration.frames.empty()) return std::nullopt;
+  const auto unheld = std::ranges::count(registration.frames, false, &RegisteredFrame::held);
+  return static_cast<double>(unheld) / static_cast<double>(registration.frames.size());
+}
+
+// Per cent of the way, of each frame that was registered twice.
+std::vector<double> Closures(const Registration& registration) {
+  std::vector<double> closures;
+  for (std::size_t i = 2; i < registration.frames.size(); ++i) {
+    const auto& closure_m = registration.frames[i].closure_m;
+    if (!closure_m) continue;
+    const auto position = [&](std::size_t frame) -> const Eigen::Vector3d& {
+      return registration.motion[frame].world_from_left.translation;
+    };
+    const double way_m =
+        (position(i) - position(i - 1)).norm() + (position(i - 1) - position(i - 2)).norm();
+    closures.push_back(100.0 * *closure_m / std::max(way_m, registration.grid_m));
+  }
+  return closures;
+}
+
+}  // namespace
+
+Gates JudgeRegistration(const Registration& registration, const RegistrationGateOptions& options) {
+  constexpr double kShare = 0.9;
+  std::vector<double> closures = Closures(registration);
+  const auto closure =
+      closures.empty() ? std::nullopt : std::optional(Quantile(std::move(closures), kShare));
+  return {AtMost("unheld", UnheldShare(registration), options.unheld,
+                 "share of frames whose cloud the surface does not hold"),
+          AtMost("closure_pct", closure, options.closure_pct,
+                 "chained against direct registration, 90th percentile, per cent of the way")};
+}
+
+Adjustment AsAdjustment(const Registration& registration) {
+  Adjustment poses;
+  const std::size_t count = registration.motion.size();
+  poses.world_from_left.resize(count);
+  const auto first =
+      std::ranges::find(registration.motion, PoseSource::kOdometry, &OdometryFrame::source);
+  const int datum = static_cast<int>(first - registration.motion.begin());
+  poses.datum_frames.assign(count, datum);
+  for (std::size_t i = 0; i < count; ++i) {
+    const OdometryFrame& frame = registration.motion[i];
+    if (frame.source == PoseSource::kOdometry) poses.world_from_left[i] = frame.world_from_left;
+  }
+  return poses;
+}
+
+}  // namespace rigmap
