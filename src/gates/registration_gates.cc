@@ -42,6 +42,18 @@ Gates JudgeRegistration(const Registration& registration, const RegistrationGate
                  "chained against direct registration, 90th percentile, per cent of the way")};
 }
 
+Odometry WithNoiseOf(const Registration& registration, Odometry odometry) {
+  for (std::size_t i = 0; i < odometry.size(); ++i) {
+    OdometryFrame& step = odometry[i];
+    const OdometryFrame &to = registration.motion[i], &from = registration.motion[step.reference];
+    if (step.source != PoseSource::kOdometry) continue;
+    step.step_covariance += to.step_covariance;
+    // Both hang on other frames, but where the one hangs on the other.
+    if (to.reference != step.reference) step.step_covariance += from.step_covariance;
+  }
+  return odometry;
+}
+
 Adjustment AsAdjustment(const Registration& registration) {
   Adjustment poses;
   const std::size_t count = registration.motion.size();

@@ -92,7 +92,9 @@ class Chain {
     found.held = aligned.held;
     found.overlap = aligned.overlap;
     found.rms_m = aligned.rms_m;
-    if (!Holds(aligned)) {
+    const bool chains_anything = options_.way == RegistrationWay::kPlain;
+    if (!aligned.converged || aligned.overlap < options_.min_overlap ||
+        !(aligned.held || chains_anything)) {
       spdlog::info("frame {}: not registered: {}, {}, overlap {:.2f}", frame,
                    aligned.converged ? "converged" : "not converged",
                    aligned.held ? "held" : "not held by the surface", aligned.overlap);
@@ -134,6 +136,18 @@ class Chain {
   Registration registration_;
 };
 
+// Of predicted steps, and of those in which nothing held the cloud.
+void SetGuessedCovariances(const UnmeasuredMotion& unmeasured, Registration& registration) {
+  Odometry motion = registration.motion;
+  for (std::size_t i = 0; i < motion.size(); ++i) {
+    if (!registration.frames[i].held) motion[i].source = PoseSource::kPredicted;
+  }
+  SetPredictionCovariances(motion, unmeasured);
+  for (std::size_t i = 0; i < motion.size(); ++i) {
+    registration.motion[i].step_covariance = motion[i].step_covariance;
+  }
+}
+
 }  // namespace
 
 Registration RegisterFrames(const CloudSource& clouds, const Odometry& odometry, double grid_m,
@@ -146,7 +160,7 @@ Registration RegisterFrames(const CloudSource& clouds, const Odometry& odometry,
     chain.Add(static_cast<int>(i), clouds(static_cast<int>(i)));
   }
   Registration registration = chain.Take();
-  SetPredictionCovariances(registration.motion, unmeasured);
+  SetGuessedCovariances(unmeasured, registration);
   return registration;
 }
 

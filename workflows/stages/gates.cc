@@ -133,7 +133,8 @@ Report JudgeRegistered(const Dataset& dataset, const FeatureIndex& features,
                        const CalibrationGateOptions& calibration,
                        const RegistrationGateOptions& of_registration) {
   const Adjustment registered = AsAdjustment(registration);
-  const GateInputs inputs{dataset.rig,     odometry, registered,
+  const Odometry compared = WithNoiseOf(registration, odometry);
+  const GateInputs inputs{dataset.rig,     compared, registered,
                           part.trajectory, nullptr,  features.epipolar_px};
   Report report = ReportPart(inputs, {mapping, poses, adjustment, calibration, {}, {}});
   const Report more = ReportGates(JudgeRegistration(registration, of_registration));
