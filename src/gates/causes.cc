@@ -227,12 +227,14 @@ Cause CloudsSlide(const Failed& failed) {
 
 Cause ChainsDiffer(const Failed& failed) {
   const Gate& gate = *failed.Find("closure_pct");
-  return {"registrations contradict each other",
-          fmt::format("registrations contradict each other: over two steps, chained and direct "
-                      "motion differ by {} % of the way and more for a tenth of the frames "
-                      "(expected: at most {} %)",
-                      ValueText(gate), LimitText(gate)),
-          "let --set registration.way=improved do what the plain way does not, or --technique rig"};
+  return {
+      "registrations contradict each other",
+      fmt::format("registrations contradict each other: over two steps, chained and direct "
+                  "motion differ by {} % of the way and more for a tenth of the frames "
+                  "(expected: at most {} %)",
+                  ValueText(gate), LimitText(gate)),
+      "let the improved way of registration do what the plain one does not (docs/options.md), or "
+      "--technique rig, which also follows what is drawn on the surface"};
 }
 
 Cause DepthsDisagree(const Failed& failed) {

@@ -35,6 +35,8 @@ Gates Failing(const std::vector<std::string>& names, double value = 1.5, double 
 const std::vector<std::string> kAllGates{"baseline_spread",
                                          "baseline_rejected",
                                          "registered",
+                                         "unheld",
+                                         "closure_pct",
                                          "predicted",
                                          "scale_95_pct",
                                          "position_95_pct",

@@ -40,6 +40,7 @@ const std::map<std::string, Names> kReaders{
     {"fusion.voxel_m", {"dense"}},
     {"raster.max_hole_cells", {"raster"}},
     {"raster.picture_px", {"views"}},
+    {"registration", {}},
     {"evaluation", {"evaluation"}},
     {"georeference", {"evaluation"}},
     {"rocks", {"evaluation"}},
@@ -52,6 +53,8 @@ const std::map<std::string, Names> kReaders{
     {"gates.reprojection_px", {"adjustment", "gates"}},
     {"gates.outlier_share", {"adjustment", "gates"}},
     {"gates.depth_bias_px", {"depth_gates"}},
+    {"gates.unheld", {}},
+    {"gates.closure_pct", {}},
 };
 
 const Names& ReadersOf(const std::string& section, const std::string& option) {
@@ -140,10 +143,10 @@ TEST(RigRecipe, StagesDependOnWhatTheyTakeAndNoMore) {
                           "fusion", "raster", "views", "evaluation"));
 }
 
-// To make the tables anew: rigmap stages --technique rig, and vo.
+// To make the tables anew: rigmap stages --technique rig, vo and icp.
 TEST(PrintStages, GivesTheTablesOfTheDocument) {
   const std::string document = ReadTextFile(RIGMAP_DOCS "/stages.md");
-  for (const Technique technique : {Technique::kRig, Technique::kVisualOdometry}) {
+  for (const Technique technique : {Technique::kRig, Technique::kVisualOdometry, Technique::kIcp}) {
     EXPECT_THAT(document, HasSubstr("\n\n" + PrintStages(technique) + "\n"));
   }
 }
@@ -168,6 +171,23 @@ TEST(VisualOdometryRecipe, SharesItsFirstStagesWithTheRigRecipe) {
                           "fusion", "raster", "views", "evaluation"));
 }
 
+// Depth comes before the poses, and their own map takes the place of fusion.
+TEST(IcpRecipe, HasItsOwnWayFromDepthToAMap) {
+  EXPECT_THAT(StageNames(Technique::kIcp),
+              ElementsAre("dataset", "features", "odometry", "dense", "registration", "trajectory",
+                          "depth_maps", "merging", "raster", "views", "evaluation"));
+  const StageGraph before = IcpRecipe({}, {}, {});
+  PartOptions grid, way, merge, limit;
+  grid.clouds.grid_m = 0.07;
+  EXPECT_EQ(Changed(before, IcpRecipe({}, {}, grid)), (Names{"registration", "merging"}));
+  way.registration.way = RegistrationWay::kImproved;
+  EXPECT_EQ(Changed(before, IcpRecipe({}, {}, way)), (Names{"registration"}));
+  merge.merging.merge_grid_m = 0.02;
+  EXPECT_EQ(Changed(before, IcpRecipe({}, {}, merge)), (Names{"merging"}));
+  limit.gates.registration.closure_pct = 3.0;
+  EXPECT_EQ(Changed(before, IcpRecipe({}, {}, limit)), (Names{"gates"}));
+}
+
 TEST(KnownOutputsTest, AreThoseOfAllTechniquesOnce) {
   const auto outputs = KnownOutputs();
   EXPECT_THAT(outputs, IsSupersetOf({"trajectory.tum", "sparse", "dense.ply", "view_top.png",
@@ -176,11 +196,11 @@ TEST(KnownOutputsTest, AreThoseOfAllTechniquesOnce) {
 }
 
 TEST(TechniqueNames, ReadBackAndListWhatThereIs) {
-  for (const Technique technique : {Technique::kRig, Technique::kVisualOdometry}) {
+  for (const Technique technique : {Technique::kRig, Technique::kVisualOdometry, Technique::kIcp}) {
     EXPECT_EQ(ParseTechnique(NameOf(technique)), technique);
   }
   EXPECT_THAT(MessageOf<UsageError>([] { ParseTechnique("icp2"); }),
-              AllOf(HasSubstr("rig, vo"), HasSubstr("'icp2'")));
+              AllOf(HasSubstr("rig, vo, icp"), HasSubstr("'icp2'")));
 }
 
 }  // namespace
