@@ -226,13 +226,13 @@ Cause CloudsSlide(const Failed& failed) {
 }
 
 Cause ChainsDiffer(const Failed& failed) {
-  const Gate& gate = *failed.Find("closure_pct");
+  const Gate* pct = failed.Find("closure_pct");
   return {
       "registrations contradict each other",
       fmt::format("registrations contradict each other: over two steps, chained and direct "
-                  "motion differ by {} % of the way and more for a tenth of the frames "
-                  "(expected: at most {} %)",
-                  ValueText(gate), LimitText(gate)),
+                  "motion differ by {} and more for a tenth of the frames (expected: less)",
+                  pct ? ValueText(*pct) + " % of the way"
+                      : ValueText(*failed.Find("closure_sigmas")) + " sigmas"),
       "let the improved way of registration do what the plain one does not (docs/options.md), or "
       "--technique rig, which also follows what is drawn on the surface"};
 }

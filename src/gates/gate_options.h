@@ -67,6 +67,7 @@ struct RegistrationGateOptions {
   static constexpr const char* kSection = "gates";
 
   double unheld = 0.2;
+  double closure_sigmas = 5.0;
   double closure_pct = 5.0;
 
   OptionFields Fields();

@@ -13,33 +13,44 @@ std::optional<double> UnheldShare(const Registration& registration) {
   return static_cast<double>(unheld) / static_cast<double>(registration.frames.size());
 }
 
-// Per cent of the way, of each frame that was registered twice.
-std::vector<double> Closures(const Registration& registration) {
-  std::vector<double> closures;
+struct Closures {
+  std::vector<double> pct, sigmas;  // of the way, of each frame that was registered twice
+};
+
+Closures ClosuresOf(const Registration& registration) {
+  Closures closures;
   for (std::size_t i = 2; i < registration.frames.size(); ++i) {
-    const auto& closure_m = registration.frames[i].closure_m;
-    if (!closure_m) continue;
-    const auto position = [&](std::size_t frame) -> const Eigen::Vector3d& {
-      return registration.motion[frame].world_from_left.translation;
+    const RegisteredFrame& frame = registration.frames[i];
+    if (!frame.closure_m || !frame.closure_sigmas) continue;
+    const auto position = [&](std::size_t at) -> const Eigen::Vector3d& {
+      return registration.motion[at].world_from_left.translation;
     };
     const double way_m =
         (position(i) - position(i - 1)).norm() + (position(i - 1) - position(i - 2)).norm();
-    closures.push_back(100.0 * *closure_m / std::max(way_m, registration.grid_m));
+    closures.pct.push_back(100.0 * *frame.closure_m / std::max(way_m, registration.grid_m));
+    closures.sigmas.push_back(*frame.closure_sigmas);
   }
   return closures;
+}
+
+std::optional<double> Typical(std::vector<double> values) {
+  constexpr double kShare = 0.9;
+  if (values.empty()) return std::nullopt;
+  return Quantile(std::move(values), kShare);
 }
 
 }  // namespace
 
 Gates JudgeRegistration(const Registration& registration, const RegistrationGateOptions& options) {
-  constexpr double kShare = 0.9;
-  std::vector<double> closures = Closures(registration);
-  const auto closure =
-      closures.empty() ? std::nullopt : std::optional(Quantile(std::move(closures), kShare));
-  return {AtMost("unheld", UnheldShare(registration), options.unheld,
-                 "share of frames whose cloud the surface does not hold"),
-          AtMost("closure_pct", closure, options.closure_pct,
-                 "chained against direct registration, 90th percentile, per cent of the way")};
+  const Closures closures = ClosuresOf(registration);
+  Gates gates{AtMost("unheld", UnheldShare(registration), options.unheld,
+                     "share of frames whose cloud the surface does not hold")};
+  AddEither(AtMost("closure_sigmas", Typical(closures.sigmas), options.closure_sigmas,
+                   "chained against direct registration, 90th percentile, in sigmas"),
+            AtMost("closure_pct", Typical(closures.pct), options.closure_pct,
+                   "chained against direct registration, 90th percentile, per cent of the way"),
+            gates);
+  return gates;
 }
 
 Odometry WithNoiseOf(const Registration& registration, Odometry odometry) {

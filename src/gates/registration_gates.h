@@ -6,7 +6,7 @@
 
 namespace rigmap {
 
-// unheld, closure_pct.
+// unheld, closure_sigmas, closure_pct.
 Gates JudgeRegistration(const Registration& registration, const RegistrationGateOptions& options);
 
 // What the odometry measured, each step with the noise of the registered one that it is compared

@@ -3,6 +3,9 @@
 #include <pcl/console/print.h>
 #include <spdlog/spdlog.h>
 
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
 #include <deque>
 
 #include "registration/internal/cloud_alignment.h"
@@ -105,14 +108,18 @@ class Chain {
     entry.source = PoseSource::kOdometry;
     entry.keyframe =
         options_.keyframe_overlap == 1.0 || aligned.overlap < options_.keyframe_overlap;
-    // Of left_from_reference: the inverse of the motion that was found.
-    const Rigid3 left_from_reference = aligned.target_from_source.Inverse();
+    entry.step_covariance = CovarianceInSource(aligned);
+  }
+
+  // Of source_from_target, the inverse of what was found, as a left perturbation.
+  Matrix6d CovarianceInSource(const CloudAlignment& aligned) const {
+    const Rigid3 source_from_target = aligned.target_from_source.Inverse();
+    const Eigen::Matrix3d rotation = source_from_target.rotation.toRotationMatrix();
     Matrix6d adjoint = Matrix6d::Zero();
-    const Eigen::Matrix3d rotation = left_from_reference.rotation.toRotationMatrix();
     adjoint.topLeftCorner<3, 3>() = adjoint.bottomRightCorner<3, 3>() = rotation;
-    adjoint.topRightCorner<3, 3>() = Skew(left_from_reference.translation) * rotation;
-    entry.step_covariance = options_.shared_noise * options_.shared_noise * adjoint *
-                            aligned.covariance * adjoint.transpose();
+    adjoint.topRightCorner<3, 3>() = Skew(source_from_target.translation) * rotation;
+    return options_.shared_noise * options_.shared_noise * adjoint * aligned.covariance *
+           adjoint.transpose();
   }
 
   // Against the frame before the last.
@@ -125,7 +132,14 @@ class Chain {
     if (!Holds(aligned)) return;
     const Rigid3 off = chained.Inverse() * aligned.target_from_source;
     found.closure_m = off.translation.norm();
-    found.closure_rad = AngleOf(off.rotation);
+    // Both ways there are uncertain, and both ends of the chained one.
+    const Matrix6d covariance = CovarianceInSource(aligned) +
+                                registration_.motion[frame].step_covariance +
+                                registration_.motion[other.frame].step_covariance;
+    Vector6d difference;
+    difference << off.translation, LogRotation(off.rotation);
+    const double squared = difference.dot(covariance.ldlt().solve(difference)) / 6.0;
+    found.closure_sigmas = std::sqrt(std::max(0.0, squared));
   }
 
   const Odometry& odometry_;

@@ -15,12 +15,13 @@ struct RegisteredFrame {
   double overlap = 0.0;  // share of its points that have a counterpart
   double rms_m = 0.0;    // of their distances from the planes around these
   // Registered once more, against the cloud of the frame before the last: how far that ends from
-  // the chained pose, m and rad. Nothing where that failed.
-  std::optional<double> closure_m, closure_rad;
+  // the chained pose, in metres, and with its rotation in sigmas (root mean square over six axes).
+  // Nothing where that failed.
+  std::optional<double> closure_m, closure_sigmas;
 
   template <class Archive>
   void serialize(Archive& archive) {
-    archive(converged, held, overlap, rms_m, closure_m, closure_rad);
+    archive(converged, held, overlap, rms_m, closure_m, closure_sigmas);
   }
 };
 

@@ -5,20 +5,23 @@
 namespace rigmap {
 namespace {
 
-constexpr double kStep_m = 0.2;
+constexpr double kAhead_m = 0.2;
 
 // Straight ahead; every frame but the first registered against the one before.
 Registration Straight(int count) {
   Registration registration{.grid_m = 0.05};
   for (int i = 0; i < count; ++i) {
     OdometryFrame frame{.stamp_ns = i,
-                        .world_from_left = {Eigen::Quaterniond::Identity(), {0, 0, kStep_m * i}},
+                        .world_from_left = {Eigen::Quaterniond::Identity(), {0, 0, kAhead_m * i}},
                         .reference = std::max(0, i - 1),
                         .step_covariance = 1e-6 * Matrix6d::Identity(),
                         .source = PoseSource::kOdometry};
     registration.motion.push_back(frame);
     RegisteredFrame found{.converged = true, .held = true, .overlap = 0.9};
-    if (i >= 2) found.closure_m = 0.004;
+    if (i >= 2) {
+      found.closure_m = 0.004;
+      found.closure_sigmas = 1.0;
+    }
     registration.frames.push_back(found);
   }
   return registration;
@@ -45,6 +48,9 @@ TEST(JudgeRegistration, FailsWhatSlidesOrContradictsItself) {
   EXPECT_FALSE(Named(JudgeRegistration(sliding, {}), "unheld").passed);
   Registration torn = Straight(10);
   for (RegisteredFrame& frame : torn.frames) frame.closure_m = 0.04;
+  // No more than their sigmas say.
+  EXPECT_TRUE(Named(JudgeRegistration(torn, {}), "closure_pct").passed);
+  for (RegisteredFrame& frame : torn.frames) frame.closure_sigmas = 8.0;
   EXPECT_FALSE(Named(JudgeRegistration(torn, {}), "closure_pct").passed);
 }
 

@@ -54,6 +54,7 @@ const std::map<std::string, Names> kReaders{
     {"gates.outlier_share", {"adjustment", "gates"}},
     {"gates.depth_bias_px", {"depth_gates"}},
     {"gates.unheld", {}},
+    {"gates.closure_sigmas", {}},
     {"gates.closure_pct", {}},
 };
 
