@@ -80,6 +80,8 @@ std::vector<OptionSection> PartOptions::Sections() {
       {"scale", "Metres, from the distances between left and right cameras.", scale.Fields()},
       {"adjustment", "Bundle adjustment with one pose per frame and the rig held.",
        adjustment.Fields()},
+      {"registration", "Clouds of single frames, chained by ICP (technique icp) and merged.",
+       JoinFields({registration.Fields(), clouds.Fields(), merging.Fields()})},
       {"dense", "Depth of each keyframe.", JoinFields({dense.Fields(), depth_maps.Fields()})},
       {"fusion", "Depth maps to one surface.", JoinFields({voxel.Fields(), fusion.Fields()})},
       {"raster", "Height map, ortho-image and pictures of the surface. Cells are fusion's voxels.",
@@ -102,6 +104,7 @@ void PartOptions::Validate() const {
     RequireInRange(section.name, section.fields);
   }
   matching.RequireRelations();
+  clouds.RequireRelations();
   dense.RequireRelations();
   fusion.RequireRelations();
 }

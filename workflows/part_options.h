@@ -25,6 +25,7 @@
 #include "matching/matching_options.h"
 #include "odometry/odometry_options.h"
 #include "raster/raster_options.h"
+#include "registration/registration_options.h"
 #include "scale/scale_options.h"
 #include "scene/voxel_options.h"
 
@@ -45,6 +46,9 @@ struct PartOptions {
   FreeMatchingOptions free_matching;  // in the section sfm, both
   FreeMappingOptions free_mapping;
   AdjustmentOptions adjustment;
+  CloudOptions clouds;  // in the section of registration
+  RegistrationOptions registration;
+  MergeOptions merging;  // in the section of registration
   DenseOptions dense;
   DepthMapOptions depth_maps;  // in the section of dense
   VoxelOptions voxel;          // in the section of fusion

@@ -11,9 +11,9 @@ namespace {
 
 using Recipe = StageGraph (*)(const Dataset&, const DatasetContent&, const PartOptions&);
 // In the order of the enumeration.
-constexpr std::array<Recipe, 8> kRecipes{RigRecipe,      ColmapRecipe,         SfmRecipe,
-                                         CombinedRecipe, VisualOdometryRecipe, KltRecipe,
-                                         WheelsRecipe,   FilterRecipe};
+constexpr std::array<Recipe, 9> kRecipes{RigRecipe,      ColmapRecipe, SfmRecipe,
+                                         CombinedRecipe, IcpRecipe,    VisualOdometryRecipe,
+                                         KltRecipe,      WheelsRecipe, FilterRecipe};
 static_assert(kRecipes.size() == NamesOf(Technique{}).size());
 
 }  // namespace

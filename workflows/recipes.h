@@ -47,10 +47,24 @@ StageGraph WheelsRecipe(const Dataset& dataset, const DatasetContent& content,
 StageGraph FilterRecipe(const Dataset& dataset, const DatasetContent& content,
                         const PartOptions& options);
 
+// Clouds of single frames chained by ICP, laid over each other.
+StageGraph IcpRecipe(const Dataset& dataset, const DatasetContent& content,
+                     const PartOptions& options);
+
 // As --technique names them.
-enum class Technique { kRig, kColmap, kSfm, kCombined, kVisualOdometry, kKlt, kWheels, kFilter };
+enum class Technique {
+  kRig,
+  kColmap,
+  kSfm,
+  kCombined,
+  kIcp,
+  kVisualOdometry,
+  kKlt,
+  kWheels,
+  kFilter
+};
 constexpr auto NamesOf(Technique) {
-  return std::array{"rig", "colmap", "sfm", "combined", "vo", "klt", "wheels", "filter"};
+  return std::array{"rig", "colmap", "sfm", "combined", "icp", "vo", "klt", "wheels", "filter"};
 }
 // Throws UsageError listing what there is.
 Technique ParseTechnique(const std::string& name);

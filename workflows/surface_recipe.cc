@@ -1,9 +1,7 @@
 #include "workflows/surface_recipe.h"
 
-#include "workflows/stages/dense.h"
 #include "workflows/stages/depth_maps.h"
 #include "workflows/stages/evaluation.h"
-#include "workflows/stages/fusion.h"
 #include "workflows/stages/gates.h"
 #include "workflows/stages/raster.h"
 #include "workflows/stages/views.h"
@@ -13,10 +11,20 @@ namespace rigmap {
 void AddSurface(StageGraph& g, const PartOptions& o, const SurfaceInputs& in) {
   const auto depths = g.AddStage(DenseMatching(), Reading(o.dense, o.masks, o.voxel), in.dataset,
                                  in.content, in.features, in.posed);
-  g.AddStage(DepthMaps(), Reading(o.depth_maps), in.dataset, in.posed, depths);
-  const auto depth_gates = g.AddCheck(DepthGates(), Reading(o.gates.dense), depths);
-  const auto warning = g.AddView(WarningByGates, in.gates, depth_gates);
+  const auto depth_gates = AddDepthProducts(g, o, in, depths);
   const auto map = g.AddStage(Fusion(), Reading(o.fusion), in.dataset, in.posed, depths);
+  AddMapProducts(g, o, in, depth_gates, map);
+}
+
+Node<Report> AddDepthProducts(StageGraph& g, const PartOptions& o, const SurfaceInputs& in,
+                              Node<DepthIndex> depths) {
+  g.AddStage(DepthMaps(), Reading(o.depth_maps), in.dataset, in.posed, depths);
+  return g.AddCheck(DepthGates(), Reading(o.gates.dense), depths);
+}
+
+void AddMapProducts(StageGraph& g, const PartOptions& o, const SurfaceInputs& in,
+                    Node<Report> depth_gates, Node<FusedMap> map) {
+  const auto warning = g.AddView(WarningByGates, in.gates, depth_gates);
   g.AddStage(Rasters(), Reading(o.raster), map, warning);
   g.AddStage(Pictures(), Reading(o.pictures), in.posed, map, warning);
   const auto steps = in.steps ? *in.steps : g.AddView(NoSteps, in.posed);

@@ -4,7 +4,9 @@
 #include <optional>
 
 #include "workflows/part_options.h"
+#include "workflows/stages/dense.h"
 #include "workflows/stages/features.h"
+#include "workflows/stages/fusion.h"
 #include "workflows/stages/inputs.h"
 #include "workflows/stages/posed_part.h"
 #include "workflows/stages/steps.h"
@@ -27,5 +29,12 @@ void AddSurface(StageGraph& graph, const PartOptions& options, const SurfaceInpu
 // Adds evaluation alone, for techniques that make no map.
 void AddEvaluation(StageGraph& graph, const PartOptions& options, Node<Dataset> dataset,
                    Node<Truth> truth, Node<PosedPart> posed);
+
+// The same in pieces, for a technique with depth or a map of its own: what is made and judged of
+// depth maps alone, and what is made of a map. The first gives the check of the depths.
+Node<Report> AddDepthProducts(StageGraph& graph, const PartOptions& options,
+                              const SurfaceInputs& inputs, Node<DepthIndex> depths);
+void AddMapProducts(StageGraph& graph, const PartOptions& options, const SurfaceInputs& inputs,
+                    Node<Report> depth_gates, Node<FusedMap> map);
 
 }  // namespace rigmap

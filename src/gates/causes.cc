@@ -215,6 +215,28 @@ Cause MotionsDiffer(const Failed& failed) {
   return {"map and odometry tell of different motions", std::move(found), std::move(advice)};
 }
 
+Cause CloudsSlide(const Failed& failed) {
+  const Gate& gate = *failed.Find("unheld");
+  return {"the surface does not hold the clouds",
+          fmt::format("{} % of the clouds could slide on their surface, which is too smooth or too "
+                      "little known to hold them (expected: at most {} %)",
+                      ValueText(gate, 100.0), LimitText(gate, 100.0)),
+          "let --technique rig or vo follow what is drawn on the surface, or take images in which "
+          "more stands up from it"};
+}
+
+Cause ChainsDiffer(const Failed& failed) {
+  const Gate* pct = failed.Find("closure_pct");
+  return {
+      "registrations contradict each other",
+      fmt::format("registrations contradict each other: over two steps, chained and direct "
+                  "motion differ by {} and more for a tenth of the frames (expected: less)",
+                  pct ? ValueText(*pct) + " % of the way"
+                      : ValueText(*failed.Find("closure_sigmas")) + " sigmas"),
+      "let the improved way of registration do what the plain one does not (docs/options.md), or "
+      "--technique rig, which also follows what is drawn on the surface"};
+}
+
 Cause DepthsDisagree(const Failed& failed) {
   const Gate& gate = *failed.Find("depth_consistency_pct");
   return {"stereo and motion tell of different depths",

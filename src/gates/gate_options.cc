@@ -86,9 +86,25 @@ OptionFields DepthGateOptions::Fields() {
   };
 }
 
+OptionFields RegistrationGateOptions::Fields() {
+  return {
+      {"unheld", &unheld, "", MoreThan(0.0),
+       "Share of frames whose cloud its surface does not hold in all directions, so that it could "
+       "slide. As predicted: beyond a fifth the trajectory is no measurement any more."},
+      {"closure_sigmas", &closure_sigmas, "sigmas", MoreThan(0.0),
+       "By how much a cloud registered against that of the frame before the last ends off the "
+       "chained pose, in sigmas of both. The gate fails if a tenth of the frames is beyond this "
+       "and "
+       "a tenth beyond closure_pct. Not three sigmas: where clouds overlap less, other points "
+       "count; healthy parts have 1 to 2."},
+      {"closure_pct", &closure_pct, "per cent", MoreThan(0.0),
+       "The same of the way between, at least a box of the grid. As motion_agreement_pct."},
+  };
+}
+
 OptionFields GateOptions::Fields() {
   return JoinFields({mapping.Fields(), poses.Fields(), adjustment.Fields(), calibration.Fields(),
-                     dense.Fields()});
+                     dense.Fields(), registration.Fields()});
 }
 
 }  // namespace rigmap

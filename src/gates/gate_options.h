@@ -62,6 +62,17 @@ struct DepthGateOptions {
   OptionFields Fields();
 };
 
+// On clouds chained by ICP.
+struct RegistrationGateOptions {
+  static constexpr const char* kSection = "gates";
+
+  double unheld = 0.2;
+  double closure_sigmas = 5.0;
+  double closure_pct = 5.0;
+
+  OptionFields Fields();
+};
+
 struct GateOptions {
   static constexpr const char* kSection = "gates";
 
@@ -70,6 +81,7 @@ struct GateOptions {
   AdjustmentGateOptions adjustment;
   CalibrationGateOptions calibration;
   DepthGateOptions dense;
+  RegistrationGateOptions registration;
 
   OptionFields Fields();
 };

@@ -36,13 +36,17 @@ const std::vector<Root>& Roots() {
                          "intrinsics_consistency_pct", "intrinsics_consistency_sigmas"};
   static const Names registered{"registered"}, dark{"predicted"}, depth{"depth_bias_px"},
       lenses{"depth_consistency_pct"};
+  static const Names closure{"closure_sigmas", "closure_pct"};
+  static const Names clouds = Joined({{"unheld"}, closure});
   static const std::vector<Root> roots{
       {RigDoesNotFit,
        {"epipolar_px"},
-       Joined({dark, rig, registered, shape, residuals, motion, lenses, sigmas, depth})},
+       Joined({dark, rig, registered, shape, residuals, clouds, motion, lenses, sigmas, depth})},
+      {CloudsSlide, {"unheld"}, Joined({dark, closure, motion, sigmas})},
       {NothingToFollow, dark, Joined({registered, sigmas}), true},
       {RigIsContradicted, rig,
-       Joined({registered, shape, residuals, motion, lenses, sigmas, depth})},
+       Joined({registered, shape, residuals, clouds, motion, lenses, sigmas, depth})},
+      {ChainsDiffer, closure, Joined({motion, sigmas})},
       {FewRegistered, registered, Joined({shape, motion, sigmas})},
       {MapIsBent, shape, Joined({motion, lenses, sigmas})},
       {MatchesContradict, residuals, Joined({motion, lenses, sigmas})},

@@ -8,7 +8,7 @@
 
 #include "core/statistics.h"
 #include "correspondence/sightings.h"
-#include "odometry/internal/motion_model.h"
+#include "trajectory/motion_model.h"
 
 namespace rigmap {
 namespace {
@@ -258,7 +258,7 @@ Odometry TrackFrames(int frame_count, const FeatureSource& features, const Stere
   for (int frame = start + 1; frame < frame_count; ++frame) tracker.Add(features(frame));
   Odometry odometry = tracker.Finish();
   if (start > 0) odometry = WithFramesBefore(start, features, rig, options, match_by, odometry);
-  SetPredictionCovariances(odometry, options);
+  SetPredictionCovariances(odometry, {options.speed_change_share, options.turn_change_rad_per_s});
   return odometry;
 }
 

@@ -238,6 +238,20 @@ TEST_F(ContinuedPart, ByVisualOdometryTakesUpWhatTheRigTechniqueLeft) {
   EXPECT_TRUE(fs::exists(out_ / "sparse" / "images.bin"));
 }
 
+TEST_F(ContinuedPart, ByIcpTakesUpWhatTheRigTechniqueLeft) {
+  const ProgramEnd end = Continue({"--technique", "icp", "--set", "registration.way=improved"});
+  ASSERT_THAT(end.exit_code, testing::AnyOf(0, 3)) << end.err;
+  const json summary = Summary();
+  EXPECT_EQ(summary["technique"], "icp");
+  EXPECT_THAT(Made(), Not(testing::Contains(testing::AnyOf("dataset", "features", "odometry"))));
+  const json metrics = json::parse(ReadTextFile(out_ / "evaluation.json"));
+  EXPECT_EQ(metrics["coverage"], 1.0);
+  EXPECT_LT(metrics["ate_se3_pct"].get<double>(), 1.0);
+  for (const char* name : {"dense.ply", "view_top.png", "height.tif", "trajectory.csv"}) {
+    EXPECT_TRUE(fs::exists(out_ / name)) << name;
+  }
+}
+
 TEST_F(ContinuedPart, InterruptedSaysHowToGoOn) {
   const fs::path errors = folder_.Path() / "errors";
   const std::string command = "exec " + std::string(RIGMAP_PROGRAM) + " part --dataset '" +

@@ -45,6 +45,7 @@ const std::map<std::string, Names> kReaders{
     {"fusion.voxel_m", {"dense"}},
     {"raster.max_hole_cells", {"raster"}},
     {"raster.picture_px", {"views"}},
+    {"registration", {}},
     {"evaluation", {"evaluation"}},
     {"georeference", {"evaluation"}},
     {"rocks", {"evaluation"}},
@@ -57,6 +58,9 @@ const std::map<std::string, Names> kReaders{
     {"gates.reprojection_px", {"adjustment", "gates"}},
     {"gates.outlier_share", {"adjustment", "gates"}},
     {"gates.depth_bias_px", {"depth_gates"}},
+    {"gates.unheld", {}},
+    {"gates.closure_sigmas", {}},
+    {"gates.closure_pct", {}},
 };
 
 const Names& ReadersOf(const std::string& section, const std::string& option) {
@@ -207,6 +211,52 @@ TEST(RigRecipe, WithoutMappingAdjustsTheOdometry) {
               AllOf(testing::Contains("mapping"), testing::Contains("adjustment")));
 }
 
+// Depth comes before the poses, and their own map takes the place of fusion.
+TEST(IcpRecipe, HasItsOwnWayFromDepthToAMap) {
+  EXPECT_THAT(StageNames(Technique::kIcp),
+              ElementsAre("dataset", "features", "odometry", "dense", "registration", "trajectory",
+                          "depth_maps", "merging", "raster", "views", "evaluation"));
+  const StageGraph before = IcpRecipe({}, {}, {});
+  PartOptions grid, way, merge, limit;
+  grid.clouds.grid_m = 0.07;
+  EXPECT_EQ(Changed(before, IcpRecipe({}, {}, grid)), (Names{"registration", "merging"}));
+  way.registration.way = RegistrationWay::kImproved;
+  EXPECT_EQ(Changed(before, IcpRecipe({}, {}, way)), (Names{"registration"}));
+  merge.merging.merge_grid_m = 0.02;
+  EXPECT_EQ(Changed(before, IcpRecipe({}, {}, merge)), (Names{"merging"}));
+  limit.gates.registration.closure_pct = 3.0;
+  EXPECT_EQ(Changed(before, IcpRecipe({}, {}, limit)), (Names{"gates"}));
+}
+
+TEST(RoverRecipes, WheelsNeedNoImagesForTheirPoses) {
+  const StageGraph wheels = WheelsRecipe({}, {}, {});
+  EXPECT_THAT(StageNames(Technique::kWheels),
+              ElementsAre("dataset", "dead_reckoning", "features", "dense", "depth_maps", "fusion",
+                          "raster", "views", "evaluation"));
+  EXPECT_EQ(wheels.nodes()[wheels.IndexOf("dead_reckoning")].inputs,
+            std::vector{wheels.IndexOf("dataset")});
+}
+
+TEST(RoverRecipes, TheFilterSharesItsFirstStagesWithVisualOdometry) {
+  const StageGraph filter = FilterRecipe({}, {}, {}), vo = VisualOdometryRecipe({}, {}, {});
+  for (const char* name : {"features", "odometry"}) {
+    const StageNode &a = filter.nodes()[filter.IndexOf(name)], &b = vo.nodes()[vo.IndexOf(name)];
+    EXPECT_EQ(a.identity, b.identity) << name;
+  }
+}
+
+TEST(RoverRecipes, TheirOptionsRedoTheirStage) {
+  PartOptions changed;
+  changed.dead_reckoning.wheel_slip = 0.04;
+  EXPECT_EQ(Changed(WheelsRecipe({}, {}, {}), WheelsRecipe({}, {}, changed)),
+            Names{"dead_reckoning"});
+  EXPECT_EQ(Changed(FilterRecipe({}, {}, {}), FilterRecipe({}, {}, changed)), Names{"filter"});
+  PartOptions without;
+  without.filter.use_gyro = false;
+  EXPECT_EQ(Changed(WheelsRecipe({}, {}, {}), WheelsRecipe({}, {}, without)), Names{});
+  EXPECT_EQ(Changed(FilterRecipe({}, {}, {}), FilterRecipe({}, {}, without)), Names{"filter"});
+}
+
 TEST(KnownOutputsTest, AreThoseOfAllTechniquesOnce) {
   const auto outputs = KnownOutputs();
   EXPECT_THAT(outputs, IsSupersetOf({"trajectory.tum", "sparse", "dense.ply", "view_top.png",
@@ -218,15 +268,9 @@ TEST(TechniqueNames, ReadBackAndListWhatThereIs) {
   for (const Technique technique : AllTechniques()) {
     EXPECT_EQ(ParseTechnique(NameOf(technique)), technique);
   }
-  EXPECT_THAT(
-      MessageOf<UsageError>([] { ParseTechnique("icp2"); }),
-      AllOf(HasSubstr("rig, colmap, sfm, combined, vo, klt, wheels, filter"), HasSubstr("'icp2'")));
-  for (const Technique technique :
-       {Technique::kRig, Technique::kVisualOdometry, Technique::kWheels, Technique::kFilter}) {
-    EXPECT_EQ(ParseTechnique(NameOf(technique)), technique);
-  }
   EXPECT_THAT(MessageOf<UsageError>([] { ParseTechnique("icp2"); }),
-              AllOf(HasSubstr("rig, vo, wheels, filter"), HasSubstr("'icp2'")));
+              AllOf(HasSubstr("rig, colmap, sfm, combined, icp, vo, klt, wheels, filter"),
+                    HasSubstr("'icp2'")));
 }
 
 }  // namespace

@@ -13,6 +13,7 @@
 #include "core/memory_peak.h"
 #include "core/progress.h"
 #include "core/statistics.h"
+#include "correspondence/stereo_points.h"
 #include "dense/seen_depths.h"
 #include "pipeline/code_identity.h"
 
@@ -67,21 +68,34 @@ int DenseThreads(const DenseMatcher& matcher, const StageContext& context) {
                     context.threads);
 }
 
-DepthIndex MakeDepths(const StageContext& context, const Dataset& dataset,
-                      const DatasetContent& content, const FeatureIndex& features,
-                      const PosedPart& part, const DenseOptions& options, const MaskOptions& masks,
-                      const VoxelOptions& voxel) {
-  const SeenDepths seen = DepthsSeen(part.rig, part.points_in_left);
-  const double nearest_m = options.min_depth_m > 0.0 ? options.min_depth_m : seen.nearest_m;
-  DepthIndex index;
-  index.voxel_m = voxel.voxel_m > 0.0 ? voxel.voxel_m : VoxelFor(part.rig, seen);
-  index.frames = DenseFrames(part.trajectory, features, index.voxel_m);
-  const Camera& camera = part.rig.left.camera;
-  const RigFixedCells& fixed = features.rig_fixed;
-  const DenseMatcher matcher(part.rig, nearest_m, options, masks,
+// What is asked of the matcher, whatever the frames.
+struct DenseRequest {
+  const DenseOptions& options;
+  const MaskOptions& masks;
+  const VoxelOptions& voxel;
+};
+
+using PointsInLeft = std::vector<std::vector<Eigen::Vector3d>>;
+
+// An index without frames, of what was seen.
+DepthIndex IndexFor(const StereoRig& rig, const SeenDepths& seen, const VoxelOptions& voxel) {
+  DepthIndex index{.near_m = seen.near_m};
+  index.voxel_m = voxel.voxel_m > 0.0 ? voxel.voxel_m : VoxelFor(rig, seen);
+  return index;
+}
+
+// The depth of the index's frames.
+DepthIndex MatchFrames(const StageContext& context, const Dataset& dataset,
+                       const DatasetContent& content, const RigFixedCells& fixed,
+                       const StereoRig& rig, const PointsInLeft& points_in_left,
+                       double seen_nearest_m, const DenseRequest& request, DepthIndex index) {
+  const auto& [options, masks, voxel] = request;
+  const double nearest_m = options.min_depth_m > 0.0 ? options.min_depth_m : seen_nearest_m;
+  const Camera& camera = rig.left.camera;
+  const DenseMatcher matcher(rig, nearest_m, options, masks,
                              fixed.Mask(camera.width, camera.height));
   index.view_mb = matcher.MegabytesPerView();
-  const std::string how = std::string(CodeHere()) + content.rig + DescribeRig(part.rig) +
+  const std::string how = std::string(CodeHere()) + content.rig + DescribeRig(rig) +
                           std::string(fixed.fixed.begin(), fixed.fixed.end()) +
                           OptionsText(options) + OptionsText(masks) + std::to_string(nearest_m);
   for (const int frame : index.frames) {
@@ -102,13 +116,48 @@ DepthIndex MakeDepths(const StageContext& context, const Dataset& dataset,
         SaveDepth(path, file.key, *depth);
         ReturnFreedMemory(kKeptShare * context.memory_mb);
       }
-      biases[i] = DisparityBiasPx(*depth, part.points_in_left[frame]);
+      biases[i] = DisparityBiasPx(*depth, points_in_left[frame]);
       progress.Advance();
     });
   });
   ForgetOlderFrames(context.root, index.files);
   index.bias_px = MedianOfKnown(biases);
   return index;
+}
+
+DepthIndex MakeDepths(const StageContext& context, const Dataset& dataset,
+                      const DatasetContent& content, const FeatureIndex& features,
+                      const PosedPart& part, const DenseOptions& options, const MaskOptions& masks,
+                      const VoxelOptions& voxel) {
+  const SeenDepths seen = DepthsSeen(part.rig, part.points_in_left);
+  DepthIndex index = IndexFor(part.rig, seen, voxel);
+  index.frames = DenseFrames(part.trajectory, features, index.voxel_m);
+  return MatchFrames(context, dataset, content, features.rig_fixed, part.rig, part.points_in_left,
+                     seen.nearest_m, {options, masks, voxel}, std::move(index));
+}
+
+DepthIndex MakeFrameDepths(const StageContext& context, const Dataset& dataset,
+                           const DatasetContent& content, const FeatureIndex& features,
+                           const FeatureStore& store, const DenseOptions& options,
+                           const MaskOptions& masks, const VoxelOptions& voxel) {
+  constexpr double kAnyNoise_px = 0.1;  // for sigmas that nobody asks for
+  const StereoRig& rig = dataset.rig;
+  PointsInLeft points_in_left(dataset.frames.size());
+  for (std::size_t i = 0; i < points_in_left.size(); ++i) {
+    const FrameFeatures frame = store.Get(static_cast<int>(i));
+    for (const auto& point : TriangulateFeatures(frame.features, rig, kAnyNoise_px)) {
+      if (point) points_in_left[i].push_back(point->x_in_left);
+    }
+  }
+  const SeenDepths seen = DepthsSeen(rig, points_in_left);
+  DepthIndex index = IndexFor(rig, seen, voxel);
+  for (int frame = 0; frame < static_cast<int>(dataset.frames.size()); ++frame) {
+    if (!std::ranges::binary_search(features.unreadable_frames, frame)) {
+      index.frames.push_back(frame);
+    }
+  }
+  return MatchFrames(context, dataset, content, features.rig_fixed, rig, points_in_left,
+                     seen.nearest_m, {options, masks, voxel}, std::move(index));
 }
 
 bool AreDepthsThere(const StageContext& context, const DepthIndex& index) {
@@ -124,6 +173,14 @@ DenseStage DenseMatching() {
               "with its sigma",
           .code = CodeHere(),
           .make = MakeDepths,
+          .is_whole = AreDepthsThere};
+}
+
+FrameDepthStage FrameDepths() {
+  return {.name = "dense",
+          .about = "depth of each frame by semi-global matching, as for keyframes elsewhere",
+          .code = CodeHere(),
+          .make = MakeFrameDepths,
           .is_whole = AreDepthsThere};
 }
 

@@ -7,6 +7,7 @@
 
 #include "dataset/dataset_content.h"
 #include "dense/dense_matcher.h"
+#include "features/feature_store.h"
 #include "pipeline/frame_files.h"
 #include "pipeline/stage.h"
 #include "scene/voxel_options.h"
@@ -21,10 +22,11 @@ struct DepthIndex {
   std::optional<double> bias_px;
   double voxel_m = 0.0;  // of the map to be made of them
   double view_mb = 0.0;  // what one takes in memory
+  double near_m = 0.0;   // distance of near ground
 
   template <class Archive>
   void serialize(Archive& archive) {
-    archive(frames, files, bias_px, voxel_m, view_mb);
+    archive(frames, files, bias_px, voxel_m, view_mb, near_m);
   }
 };
 
@@ -32,5 +34,12 @@ struct DepthIndex {
 using DenseStage = Stage<DepthIndex, Takes<Dataset, DatasetContent, FeatureIndex, PosedPart>,
                          Reads<DenseOptions, MaskOptions, VoxelOptions>>;
 DenseStage DenseMatching();
+
+// The same name for a technique that needs depth before it has poses: of every frame that can be
+// read, as near as the stereo matches of its features say.
+using FrameDepthStage =
+    Stage<DepthIndex, Takes<Dataset, DatasetContent, FeatureIndex, FeatureStore>,
+          Reads<DenseOptions, MaskOptions, VoxelOptions>>;
+FrameDepthStage FrameDepths();
 
 }  // namespace rigmap

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "gates/refusal.h"
+#include "gates/registration_gates.h"
 #include "pipeline/code_identity.h"
 #include "workflows/stages/depth_consistency_report.h"
 #include "workflows/stages/mapping.h"
@@ -114,7 +115,7 @@ Report JudgeAdjusted(const Dataset& dataset, const FeatureIndex& features,
                           features.epipolar_px,
                           DepthConsistencyOf(part.adjustment),
                           part.KnowsPositions()};
-  return ReportPart(inputs, {mapping, poses, adjustment, calibration, {}});
+  return ReportPart(inputs, {mapping, poses, adjustment, calibration, {}, {}});
 }
 
 Report JudgeFreeCameras(const Dataset& dataset, const AlignedKeyframes& aligned,
@@ -123,7 +124,7 @@ Report JudgeFreeCameras(const Dataset& dataset, const AlignedKeyframes& aligned,
                         const CalibrationGateOptions& calibration) {
   GateInputs inputs{dataset.rig, part.odometry, part.adjustment, part.trajectory, &aligned};
   inputs.positions_known = part.KnowsPositions();
-  return ReportPart(inputs, {mapping, poses, adjustment, calibration, {}});
+  return ReportPart(inputs, {mapping, poses, adjustment, calibration, {}, {}});
 }
 
 Report JudgeOdometric(const Dataset& dataset, const FeatureIndex& features,
@@ -135,7 +136,23 @@ Report JudgeOdometric(const Dataset& dataset, const FeatureIndex& features,
   none.world_from_left.resize(odometry.size());
   const GateInputs inputs{dataset.rig,     odometry, none,
                           part.trajectory, nullptr,  features.epipolar_px};
-  return ReportPart(inputs, {mapping, poses, adjustment, calibration, {}});
+  return ReportPart(inputs, {mapping, poses, adjustment, calibration, {}, {}});
+}
+
+Report JudgeRegistered(const Dataset& dataset, const FeatureIndex& features,
+                       const Odometry& odometry, const Registration& registration,
+                       const OdometricPart& part, const MappingGateOptions& mapping,
+                       const PoseGateOptions& poses, const AdjustmentGateOptions& adjustment,
+                       const CalibrationGateOptions& calibration,
+                       const RegistrationGateOptions& of_registration) {
+  const Adjustment registered = AsAdjustment(registration);
+  const Odometry compared = WithNoiseOf(registration, odometry);
+  const GateInputs inputs{dataset.rig,     compared, registered,
+                          part.trajectory, nullptr,  features.epipolar_px};
+  Report report = ReportPart(inputs, {mapping, poses, adjustment, calibration, {}, {}});
+  const Report more = ReportGates(JudgeRegistration(registration, of_registration));
+  for (const Report& gate : more.at("gates")) report["gates"].push_back(gate);
+  return report;
 }
 
 Report JudgeDeadReckoned(const Dataset& dataset, const FeatureIndex& features,
@@ -188,6 +205,13 @@ OdometricGatesCheck DeadReckonedGates() {
           .code = CodeHere(),
           .make = JudgeDeadReckoned,
           .about = "the gates that apply to poses that wheels and gyro tell"};
+}
+
+RegistrationGatesCheck RegistrationGates() {
+  return {.name = "gates",
+          .code = CodeHere(),
+          .make = JudgeRegistered,
+          .about = "whether registrations contradict each other, themselves or the odometry"};
 }
 
 DepthGatesCheck DepthGates() {

@@ -5,6 +5,7 @@
 
 #include "gates/findings.h"
 #include "pipeline/stage.h"
+#include "registration/registration.h"
 #include "workflows/stages/adjustment.h"
 #include "workflows/stages/dense.h"
 #include "workflows/stages/features.h"
@@ -31,6 +32,13 @@ OdometricGatesCheck OdometricGates();
 
 // The same where wheels alone tell the metres.
 OdometricGatesCheck DeadReckonedGates();
+
+// Of clouds chained by ICP, with what the visual odometry measured of the same motion beside it.
+using RegistrationGatesCheck =
+    Check<Takes<Dataset, FeatureIndex, Odometry, Registration, OdometricPart>,
+          Reads<MappingGateOptions, PoseGateOptions, AdjustmentGateOptions, CalibrationGateOptions,
+                RegistrationGateOptions>>;
+RegistrationGatesCheck RegistrationGates();
 
 using DepthGatesCheck = Check<Takes<DepthIndex>, Reads<DepthGateOptions>>;
 DepthGatesCheck DepthGates();

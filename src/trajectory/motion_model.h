@@ -1,7 +1,6 @@
 // Motion where no image tells it.
 #pragma once
 
-#include "odometry/odometry_options.h"
 #include "scene/odometry.h"
 
 namespace rigmap {
@@ -11,9 +10,13 @@ namespace rigmap {
 Rigid3 PredictPose(const Odometry& so_far, StampNs stamp_ns);
 
 // Gives every predicted frame the covariance of its step from its reference: speed and turn rate
-// may change as the options allow. What speed that is of, is judged by the fastest of the whole
-// part, since a rig that stands may start.
-void SetPredictionCovariances(Odometry& odometry, const OdometryOptions& options);
+// may change so much (one standard deviation). What speed that is of, is judged by the fastest of
+// the whole part, since a rig that stands may start.
+struct UnmeasuredMotion {
+  double speed_change_share = 0.0;     // 1/s
+  double turn_change_rad_per_s = 0.0;  // rad/s
+};
+void SetPredictionCovariances(Odometry& odometry, const UnmeasuredMotion& unmeasured);
 
 // Moves each run of predicted frames that lies between two frames on one connected chain of
 // references onto the path between them, in proportion to time.

@@ -1,4 +1,4 @@
-#include "odometry/internal/motion_model.h"
+#include "trajectory/motion_model.h"
 
 #include <gtest/gtest.h>
 
@@ -24,7 +24,7 @@ Odometry Carried(const Rigid3& start, const Rigid3& motion, int count) {
   return odometry;
 }
 
-double Distance(const Rigid3& a, const Rigid3& b) {
+double PoseDistance(const Rigid3& a, const Rigid3& b) {
   return (a.translation - b.translation).norm() + AngleOf(a.rotation.conjugate() * b.rotation);
 }
 
@@ -34,8 +34,8 @@ TEST(PredictPose, GoesOnAsBefore) {
     const Rigid3 motion{random.Rotation(0.3), random.Vector(0.5)};
     const Odometry odometry = Carried(random.Motion(5.0), motion, 4);
     const Rigid3& last = odometry.back().world_from_left;
-    EXPECT_LT(Distance(PredictPose(odometry, 4 * kSecond), last * motion), 1e-12);
-    EXPECT_LT(Distance(PredictPose(odometry, 3 * kSecond), last), 1e-12);
+    EXPECT_LT(PoseDistance(PredictPose(odometry, 4 * kSecond), last * motion), 1e-12);
+    EXPECT_LT(PoseDistance(PredictPose(odometry, 3 * kSecond), last), 1e-12);
   }
 }
 
@@ -43,8 +43,8 @@ TEST(PredictPose, GoesTwiceAsFarInTwiceTheTime) {
   SeededRandom random;
   const Rigid3 motion{Eigen::Quaterniond::Identity(), random.Vector(0.5)};
   const Odometry odometry = Carried(random.Motion(5.0), motion, 3);
-  EXPECT_LT(Distance(PredictPose(odometry, 4 * kSecond),
-                     odometry.back().world_from_left * motion * motion),
+  EXPECT_LT(PoseDistance(PredictPose(odometry, 4 * kSecond),
+                         odometry.back().world_from_left * motion * motion),
             1e-12);
 }
 
@@ -55,26 +55,27 @@ TEST(PredictPose, DoesNotDependOnTheWorld) {
   const Rigid3 start = random.Motion(5.0);
   const Rigid3 a = PredictPose(Carried(start, motion, 3), 5 * kSecond);
   const Rigid3 b = PredictPose(Carried(other_from_world * start, motion, 3), 5 * kSecond);
-  EXPECT_LT(Distance(other_from_world * a, b), 1e-9);
+  EXPECT_LT(PoseDistance(other_from_world * a, b), 1e-9);
 }
 
 TEST(PredictPose, StaysWhereThereIsNoMotionToCarryOn) {
   SeededRandom random;
   const Rigid3 start = random.Motion(5.0);
-  EXPECT_EQ(Distance(PredictPose(Carried(start, Rigid3(), 1), 7 * kSecond), start), 0.0);
+  EXPECT_EQ(PoseDistance(PredictPose(Carried(start, Rigid3(), 1), 7 * kSecond), start), 0.0);
 }
+
+constexpr UnmeasuredMotion kUnmeasured{0.3, 0.1};
 
 TEST(SetPredictionCovariances, AllowsSpeedAndTurnRateToChange) {
   const Rigid3 motion{Eigen::Quaterniond::Identity(), {0.0, 0.0, 0.5}};
   Odometry odometry = Carried({}, motion, 4);
   odometry[2].source = PoseSource::kPredicted;
   odometry[1].step_covariance = 7.0 * Matrix6d::Identity();
-  const OdometryOptions options;
-  SetPredictionCovariances(odometry, options);
+  SetPredictionCovariances(odometry, kUnmeasured);
   const Vector6d sigmas = odometry[2].step_covariance.diagonal().cwiseSqrt();
   for (int i = 0; i < 3; ++i) {
-    EXPECT_NEAR(sigmas(i), 0.5 * options.speed_change_share, 1e-12);
-    EXPECT_NEAR(sigmas(3 + i), options.turn_change_rad_per_s, 1e-12);
+    EXPECT_NEAR(sigmas(i), 0.5 * kUnmeasured.speed_change_share, 1e-12);
+    EXPECT_NEAR(sigmas(3 + i), kUnmeasured.turn_change_rad_per_s, 1e-12);
   }
   EXPECT_EQ(odometry[1].step_covariance, 7.0 * Matrix6d::Identity());  // was measured
   EXPECT_EQ(odometry[3].step_covariance, Matrix6d::Zero());
@@ -84,16 +85,16 @@ TEST(SetPredictionCovariances, KnowsThatAStandingRigMayStart) {
   const Rigid3 motion{Eigen::Quaterniond::Identity(), {0.0, 0.0, 0.5}};
   Odometry odometry = Carried({}, Rigid3(), 3);
   odometry[2].source = PoseSource::kPredicted;
-  SetPredictionCovariances(odometry, {});
+  SetPredictionCovariances(odometry, kUnmeasured);
   EXPECT_GT(odometry[2].step_covariance.diagonal().minCoeff(), 0.0);
   // What it did later tells how fast it is.
   for (OdometryFrame frame : Carried({}, motion, 3)) {
     frame.stamp_ns += 3 * kSecond;
     odometry.push_back(frame);
   }
-  SetPredictionCovariances(odometry, {});
-  EXPECT_NEAR(std::sqrt(odometry[2].step_covariance(0, 0)),
-              0.5 * OdometryOptions().speed_change_share, 1e-12);
+  SetPredictionCovariances(odometry, kUnmeasured);
+  EXPECT_NEAR(std::sqrt(odometry[2].step_covariance(0, 0)), 0.5 * kUnmeasured.speed_change_share,
+              1e-12);
 }
 
 TEST(BridgePredicted, PutsThemBetweenTheirNeighboursByTime) {
@@ -108,15 +109,15 @@ TEST(BridgePredicted, PutsThemBetweenTheirNeighboursByTime) {
   odometry[4].reference = 1;
   BridgePredicted(odometry);
   const Rigid3 &from = truth[1].world_from_left, &to = truth[4].world_from_left;
-  EXPECT_LT(Distance(odometry[2].world_from_left, Interpolate(from, to, 1.0 / 3.0)), 1e-9);
-  EXPECT_LT(Distance(odometry[3].world_from_left, Interpolate(from, to, 2.5 / 3.0)), 1e-9);
+  EXPECT_LT(PoseDistance(odometry[2].world_from_left, Interpolate(from, to, 1.0 / 3.0)), 1e-9);
+  EXPECT_LT(PoseDistance(odometry[3].world_from_left, Interpolate(from, to, 2.5 / 3.0)), 1e-9);
   for (int i : {0, 1, 4, 5}) {
-    EXPECT_EQ(Distance(odometry[i].world_from_left, truth[i].world_from_left), 0.0) << i;
+    EXPECT_EQ(PoseDistance(odometry[i].world_from_left, truth[i].world_from_left), 0.0) << i;
   }
   const Odometry once = odometry;
   BridgePredicted(odometry);
   for (int i = 0; i < 6; ++i) {
-    EXPECT_LT(Distance(odometry[i].world_from_left, once[i].world_from_left), 1e-12);
+    EXPECT_LT(PoseDistance(odometry[i].world_from_left, once[i].world_from_left), 1e-12);
   }
 }
 
@@ -128,7 +129,7 @@ TEST(BridgePredicted, LeavesGapsThatNothingMeasuredAcross) {
   const Odometry before = odometry;
   BridgePredicted(odometry);
   for (int i = 0; i < 6; ++i) {
-    EXPECT_EQ(Distance(odometry[i].world_from_left, before[i].world_from_left), 0.0) << i;
+    EXPECT_EQ(PoseDistance(odometry[i].world_from_left, before[i].world_from_left), 0.0) << i;
   }
 }
 
