@@ -28,8 +28,8 @@ StageGraph IcpRecipe(const Dataset& data, const DatasetContent& data_content,
   const auto motion = g.AddView(RegisteredMotion, registration);
 
   // laid into the world as they are
-  const auto part =
-      g.AddStage(OdometricTrajectory(), Reading(o.odometry), dataset, features, motion);
+  const auto part = g.AddStage(OdometricTrajectory(), Reading(o.odometry, o.adjustment), dataset,
+                               features, motion);
   const auto gates = g.AddCheck(RegistrationGates(),
                                 Reading(o.gates.mapping, o.gates.poses, o.gates.adjustment,
                                         o.gates.calibration, o.gates.registration),

@@ -13,8 +13,8 @@ namespace {
 void AddOdometricPart(StageGraph& g, const PartOptions& o, const PartInputs& in,
                       Node<FeatureIndex> found, Node<FeatureStore> features,
                       Node<Odometry> odometry) {
-  const auto part =
-      g.AddStage(OdometricTrajectory(), Reading(o.odometry), in.dataset, features, odometry);
+  const auto part = g.AddStage(OdometricTrajectory(), Reading(o.odometry, o.adjustment), in.dataset,
+                               features, odometry);
   const auto gates =
       g.AddCheck(OdometricGates(),
                  Reading(o.gates.mapping, o.gates.poses, o.gates.adjustment, o.gates.calibration),

@@ -190,21 +190,6 @@ class Adjuster {
     return covariances;
   }
 
-  // Sigma of a function of the calibration.
-  double SigmaOf(double (*function)(const StereoRig&), const CalibrationMatrix& error) const {
-    constexpr double kStepSigmas = 0.01;  // of the prior: where the function is linear
-    CalibrationVector gradient;
-    for (int i = 0; i < kCalibrationSize; ++i) {
-      CalibrationVector ahead = correction_, behind = correction_;
-      ahead(i) += kStepSigmas * prior_.sigmas(i);
-      behind(i) -= kStepSigmas * prior_.sigmas(i);
-      gradient(i) =
-          (function(Corrected(input_.rig, ahead)) - function(Corrected(input_.rig, behind))) /
-          (2.0 * kStepSigmas * prior_.sigmas(i));
-    }
-    return std::sqrt(std::max(0.0, gradient.dot(error * gradient)));
-  }
-
   Adjustment Result(CameraSystemResult system) {
     Adjustment result;
     const auto errors = ErrorsPx(bundle_);
@@ -230,7 +215,8 @@ class Adjuster {
     }
     result.correction_px = LargestShiftPx(input_.rig, bundle_.rig);
     result.infinity_offset_px = DisparityAtInfinity(bundle_.rig) - DisparityAtInfinity(input_.rig);
-    result.infinity_offset_sigma_px = SigmaOf(DisparityAtInfinity, of_calibration);
+    result.infinity_offset_sigma_px =
+        SigmaOf(DisparityAtInfinity, input_.rig, correction_, prior_.sigmas, of_calibration);
     result.datum_frames = std::move(system.datum_frames);
     result.calibration = system.calibration;
     if (system.calibration) {

@@ -138,6 +138,21 @@ CalibrationVector SigmasOf(const StereoRig& rig, const AdjustmentOptions& option
 
 }  // namespace
 
+double SigmaOf(double (*function)(const StereoRig&), const StereoRig& rig,
+               const CalibrationVector& correction, const CalibrationVector& prior_sigmas,
+               const CalibrationMatrix& covariance) {
+  constexpr double kStepSigmas = 0.01;  // of the prior: where the function is linear
+  CalibrationVector gradient;
+  for (int i = 0; i < kCalibrationSize; ++i) {
+    CalibrationVector ahead = correction, behind = correction;
+    ahead(i) += kStepSigmas * prior_sigmas(i);
+    behind(i) -= kStepSigmas * prior_sigmas(i);
+    gradient(i) = (function(Corrected(rig, ahead)) - function(Corrected(rig, behind))) /
+                  (2.0 * kStepSigmas * prior_sigmas(i));
+  }
+  return std::sqrt(std::max(0.0, gradient.dot(covariance * gradient)));
+}
+
 CalibrationPrior PriorOf(const StereoRig& rig, const AdjustmentOptions& options) {
   if (rig.calibration_covariance) {
     return {rig.calibration_covariance->diagonal().cwiseSqrt(),

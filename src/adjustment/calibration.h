@@ -41,6 +41,11 @@ std::optional<Eigen::Vector2d> RightPixelAtInfinity(const StereoRig& rig,
                                                     const Eigen::Vector2d& left);
 // Disparity there of what is infinitely far, in the middle of the left image, px.
 double DisparityAtInfinity(const StereoRig& rig);
+// Sigma of a function of the rig as `correction` corrects it, when the correction has this
+// covariance.
+double SigmaOf(double (*function)(const StereoRig&), const StereoRig& rig,
+               const CalibrationVector& correction, const CalibrationVector& prior_sigmas,
+               const CalibrationMatrix& covariance);
 // Largest change of RightPixelAtInfinity over the image, px.
 double LargestShiftPx(const StereoRig& from, const StereoRig& to);
 

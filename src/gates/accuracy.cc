@@ -54,24 +54,25 @@ double Radius95(const Eigen::Matrix3d& covariance) {
 }
 
 Accuracy AccuracyOf(const Trajectory& trajectory, const Adjustment& adjustment,
-                    const StereoRig& rig, bool positions_known) {
+                    const StereoRig& rig, const BesideCovariances& beside) {
   Accuracy accuracy{.path_m = PathLength(trajectory)};
   if (trajectory.empty() || accuracy.path_m < rig.Baseline()) return accuracy;
   const double of_baseline = rig.baseline_sigma_m.value_or(0.0) / rig.Baseline();
-  const auto scale = adjustment.scale_sigma || !positions_known ? adjustment.scale_sigma
-                                                                : FarthestSigma(trajectory);
-  if (scale) accuracy.scale_95_pct = 100.0 * kSigmas95 * std::hypot(*scale, of_baseline);
+  const double of_all_lengths = std::hypot(of_baseline, beside.calibration_scale_sigma);
+  const auto scale = adjustment.scale_sigma || !beside.positions_known ? adjustment.scale_sigma
+                                                                       : FarthestSigma(trajectory);
+  if (scale) accuracy.scale_95_pct = 100.0 * kSigmas95 * std::hypot(*scale, of_all_lengths);
   if (const auto& noise = adjustment.scale_sigma_of_noise) {
     accuracy.noise_95_pct = 100.0 * kSigmas95 * *noise;
   }
   if (rig.baseline_sigma_m) accuracy.baseline_95_pct = 100.0 * kSigmas95 * of_baseline;
-  if (!positions_known) return accuracy;
+  if (!beside.positions_known) return accuracy;
   for (const TimedPose& pose : trajectory) {
     if (pose.source == PoseSource::kPredicted) continue;
     const Eigen::Vector3d way =
         pose.world_from_left.translation - trajectory.front().world_from_left.translation;
-    const double radius_m =
-        Radius95(pose.position_covariance + of_baseline * of_baseline * way * way.transpose());
+    const double radius_m = Radius95(pose.position_covariance +
+                                     of_all_lengths * of_all_lengths * way * way.transpose());
     accuracy.position_95_m = std::max(accuracy.position_95_m.value_or(0.0), radius_m);
   }
   if (accuracy.position_95_m) {

@@ -22,12 +22,18 @@ struct Accuracy {
   std::optional<double> position_95_pct;  // of the path, or of a metre if that is longer
 };
 
+// What a trajectory's covariances leave out.
+struct BesideCovariances {
+  // False where nobody has said how good the poses are, as of those that only COLMAP adjusted: then
+  // the scale is the adjustment's or nothing.
+  bool positions_known = true;
+  double calibration_scale_sigma = 0.0;  // relative, of all lengths
+};
+
 // The scale is the adjustment's where it knows one, else that of the way to the farthest measured
-// frame. Predicted frames are left out. Where `positions_known` is false, nobody has said how good
-// the poses are, as of those that only COLMAP adjusted: then it is the adjustment's scale or
-// nothing.
+// frame. Predicted frames are left out.
 Accuracy AccuracyOf(const Trajectory& trajectory, const Adjustment& adjustment,
-                    const StereoRig& rig, bool positions_known = true);
+                    const StereoRig& rig, const BesideCovariances& beside = {});
 
 // Radius of the sphere that holds a normally distributed error with 95 %, to 2 % (the weighted sum
 // of squares taken as a scaled chi square, Satterthwaite 1946; its quantile by Wilson and Hilferty

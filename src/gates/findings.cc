@@ -68,11 +68,12 @@ std::optional<FrameRun> PartFindings::LongestMeasured() const {
 }
 
 PartFindings FindingsOf(const GateInputs& inputs, const GateOptions& options) {
-  PartFindings findings{.accuracy = AccuracyOf(inputs.trajectory, inputs.adjustment, inputs.rig,
-                                               inputs.positions_known),
-                        .accuracy_asked_pct = options.poses.accuracy_pct,
-                        .baseline_m = inputs.rig.Baseline(),
-                        .frames = static_cast<int>(inputs.trajectory.size())};
+  PartFindings findings{
+      .accuracy = AccuracyOf(inputs.trajectory, inputs.adjustment, inputs.rig,
+                             {inputs.positions_known, inputs.calibration_scale_sigma}),
+      .accuracy_asked_pct = options.poses.accuracy_pct,
+      .baseline_m = inputs.rig.Baseline(),
+      .frames = static_cast<int>(inputs.trajectory.size())};
   if (inputs.adjustment.IsRigCorrected()) {
     findings.rig_correction_px = inputs.adjustment.correction_px;
   }

@@ -29,8 +29,8 @@ void JudgePrediction(const GateInputs& inputs, const PoseGateOptions& options, G
 }
 
 void JudgeAccuracy(const GateInputs& inputs, const PoseGateOptions& options, Gates& gates) {
-  const Accuracy accuracy =
-      AccuracyOf(inputs.trajectory, inputs.adjustment, inputs.rig, inputs.positions_known);
+  const Accuracy accuracy = AccuracyOf(inputs.trajectory, inputs.adjustment, inputs.rig,
+                                       {inputs.positions_known, inputs.calibration_scale_sigma});
   gates.push_back(AtMost("scale_95_pct", accuracy.scale_95_pct, options.accuracy_pct,
                          "the scale is known to so many per cent (95 %) only"));
   gates.push_back(AtMost("position_95_pct", accuracy.position_95_pct, options.accuracy_pct,

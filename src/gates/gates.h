@@ -26,6 +26,9 @@ struct GateInputs {
   std::vector<float> epipolar_px;  // median absolute error of each frame
   std::optional<DepthConsistency> depth_consistency;
   bool positions_known = true;  // whether the trajectory's covariances say anything
+  // Relative, of all lengths, by what the calibration leaves unknown, where covariances do not hold
+  // it.
+  double calibration_scale_sigma = 0.0;
 };
 
 // The gates on what COLMAP made: baseline_spread, baseline_rejected, registered.

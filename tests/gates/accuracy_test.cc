@@ -59,15 +59,25 @@ TEST(AccuracyOf, OfPosesThatNobodyVouchesForIsTheAdjustmentsScaleOrNothing) {
   const double unknown = std::numeric_limits<double>::quiet_NaN();
   for (TimedPose& pose : trajectory) pose.position_covariance.setConstant(unknown);
   Adjustment adjustment;
-  const Accuracy nothing = AccuracyOf(trajectory, adjustment, LocCamRig(), false);
+  const Accuracy nothing =
+      AccuracyOf(trajectory, adjustment, LocCamRig(), {.positions_known = false});
   EXPECT_FALSE(nothing.scale_95_pct || nothing.position_95_m || nothing.position_95_pct);
   adjustment.scale_sigma = 0.001;
-  const Accuracy scale = AccuracyOf(trajectory, adjustment, LocCamRig(), false);
+  const Accuracy scale =
+      AccuracyOf(trajectory, adjustment, LocCamRig(), {.positions_known = false});
   EXPECT_NEAR(scale.scale_95_pct.value(), 0.196, 1e-9);
   EXPECT_FALSE(scale.position_95_m);
   // Where somebody does, what is not a number is not known.
   EXPECT_EQ(AccuracyOf(trajectory, adjustment, LocCamRig()).position_95_m,
             std::numeric_limits<double>::infinity());
+}
+
+TEST(AccuracyOf, CountsWhatTheCalibrationLeavesUnknownOfAllLengths) {
+  const Trajectory trajectory = Drive();  // 5 m, without any noise
+  const Accuracy found = AccuracyOf(trajectory, {}, LocCamRig(), {.calibration_scale_sigma = 0.02});
+  EXPECT_NEAR(found.scale_95_pct.value(), 1.96 * 2.0, 1e-3);
+  // Along the way alone: the 95 % of one direction.
+  EXPECT_NEAR(found.position_95_m.value(), 1.96 * 0.02 * 5.0, 0.01);
 }
 
 TEST(AccuracyOf, OfAWayThatTurnsTheDirectionCounts) {

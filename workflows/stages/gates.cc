@@ -26,7 +26,9 @@ Report ReportGates(const Gates& gates) {
 }
 
 // What the metres rest on, for the verdict.
-std::string AboutRig(const StereoRig& rig, const Adjustment& adjustment) {
+std::string AboutRig(const GateInputs& inputs) {
+  const StereoRig& rig = inputs.rig;
+  const Adjustment& adjustment = inputs.adjustment;
   std::string about;
   if (adjustment.IsRigCorrected()) {
     about = fmt::format(
@@ -35,6 +37,7 @@ std::string AboutRig(const StereoRig& rig, const Adjustment& adjustment) {
         "and has been corrected; ",
         adjustment.correction_px, adjustment.infinity_offset_px);
   }
+  if (inputs.calibration_scale_sigma > 0.0) about += "the calibration is not checked; ";
   if (rig.baseline_sigma_m) return about + "the baseline's sigma counted";
   return about + fmt::format("if the baseline is {:.2f} mm", 1000.0 * rig.Baseline());
 }
@@ -96,7 +99,7 @@ Report ReportPart(const GateInputs& inputs, const GateOptions& options) {
     text = fmt::format("metres good to {:.2g} % (95 %), of positions nothing is known; ",
                        *accuracy.scale_95_pct);
   }
-  report["verdict"]["text"] = text + AboutRig(inputs.rig, inputs.adjustment);
+  report["verdict"]["text"] = text + AboutRig(inputs);
   report["depth_consistency"] = ReportDepthConsistency(inputs.depth_consistency);
   return report;
 }
@@ -134,8 +137,8 @@ Report JudgeOdometric(const Dataset& dataset, const FeatureIndex& features,
                       const CalibrationGateOptions& calibration) {
   Adjustment none;
   none.world_from_left.resize(odometry.size());
-  const GateInputs inputs{dataset.rig,     odometry, none,
-                          part.trajectory, nullptr,  features.epipolar_px};
+  GateInputs inputs{dataset.rig, odometry, none, part.trajectory, nullptr, features.epipolar_px};
+  inputs.calibration_scale_sigma = part.calibration_scale_sigma;
   return ReportPart(inputs, {mapping, poses, adjustment, calibration, {}, {}});
 }
 
@@ -147,8 +150,9 @@ Report JudgeRegistered(const Dataset& dataset, const FeatureIndex& features,
                        const RegistrationGateOptions& of_registration) {
   const Adjustment registered = AsAdjustment(registration);
   const Odometry compared = WithNoiseOf(registration, odometry);
-  const GateInputs inputs{dataset.rig,     compared, registered,
-                          part.trajectory, nullptr,  features.epipolar_px};
+  GateInputs inputs{dataset.rig,     compared, registered,
+                    part.trajectory, nullptr,  features.epipolar_px};
+  inputs.calibration_scale_sigma = part.calibration_scale_sigma;
   Report report = ReportPart(inputs, {mapping, poses, adjustment, calibration, {}, {}});
   const Report more = ReportGates(JudgeRegistration(registration, of_registration));
   for (const Report& gate : more.at("gates")) report["gates"].push_back(gate);

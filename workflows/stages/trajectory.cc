@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "adjustment/level_world.h"
+#include "adjustment/unchecked_scale.h"
 #include "correspondence/stereo_points.h"
 #include "pipeline/code_identity.h"
 #include "trajectory/assemble_trajectory.h"
@@ -14,31 +15,39 @@
 namespace rigmap {
 namespace {
 
-// What the keyframes see with both eyes, to find the ground in.
-std::vector<Eigen::Vector3d> GroundPoints(const StereoRig& rig, const FeatureStore& features,
-                                          const Odometry& odometry, double disparity_noise_px) {
-  std::vector<Eigen::Vector3d> points;
+// What the keyframes see with both eyes.
+struct SeenPoints {
+  std::vector<Eigen::Vector3d> in_gauge;
+  std::vector<double> depths_m;
+};
+
+SeenPoints PointsOf(const StereoRig& rig, const FeatureStore& features, const Odometry& odometry,
+                    double disparity_noise_px) {
+  SeenPoints seen;
   for (std::size_t i = 0; i < odometry.size(); ++i) {
     if (!odometry[i].keyframe) continue;
     const FrameFeatures frame = features.Get(static_cast<int>(i));
     for (const auto& point : TriangulateFeatures(frame.features, rig, disparity_noise_px)) {
-      if (point) points.push_back(odometry[i].world_from_left * point->x_in_left);
+      if (!point) continue;
+      seen.in_gauge.push_back(odometry[i].world_from_left * point->x_in_left);
+      seen.depths_m.push_back(point->x_in_left.z());
     }
   }
-  return points;
+  return seen;
 }
 
 OdometricPart MakeOdometric(const StageContext&, const Dataset& dataset,
                             const FeatureStore& features, const Odometry& odometry,
-                            const OdometryOptions& options) {
+                            const OdometryOptions& options, const AdjustmentOptions& prior) {
   Adjustment none;
   none.world_from_left.resize(odometry.size());
   std::vector<std::optional<Rigid3>> poses;
   for (const OdometryFrame& frame : odometry) poses.emplace_back(frame.world_from_left);
   std::fill_n(poses.begin(), FirstPosedFrame(odometry), std::nullopt);
-  const LevelledWorld world = LevelWorld(
-      poses, GroundPoints(dataset.rig, features, odometry, options.disparity_noise_px), dataset);
-  return {dataset.rig, AssembleTrajectory(odometry, none, world.world_from_gauge), world.up_source};
+  SeenPoints seen = PointsOf(dataset.rig, features, odometry, options.disparity_noise_px);
+  const LevelledWorld world = LevelWorld(poses, seen.in_gauge, dataset);
+  return {dataset.rig, AssembleTrajectory(odometry, none, world.world_from_gauge), world.up_source,
+          UncheckedScaleSigma(dataset.rig, std::move(seen.depths_m), prior)};
 }
 
 void PublishOdometric(Publication& publication, const StageContext&, const OdometricPart& part,

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "adjustment/adjustment_options.h"
 #include "features/feature_store.h"
 #include "odometry/odometry_options.h"
 #include "pipeline/stage.h"
@@ -18,15 +19,17 @@ struct OdometricPart {
   StereoRig rig;
   Trajectory trajectory;  // every paired frame, in the world
   WorldUp world_up = WorldUp::kCamera;
+  // Of all lengths, by what the calibration may be off, which nothing here has checked.
+  double calibration_scale_sigma = 0.0;
 
   template <class Archive>
   void serialize(Archive& archive) {
-    archive(rig, trajectory, world_up);
+    archive(rig, trajectory, world_up, calibration_scale_sigma);
   }
 };
 
-using TrajectoryStage =
-    Stage<OdometricPart, Takes<Dataset, FeatureStore, Odometry>, Reads<OdometryOptions>>;
+using TrajectoryStage = Stage<OdometricPart, Takes<Dataset, FeatureStore, Odometry>,
+                              Reads<OdometryOptions, AdjustmentOptions>>;
 TrajectoryStage OdometricTrajectory();
 
 // A view.

@@ -1,0 +1,42 @@
+#include "adjustment/unchecked_scale.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "adjustment/calibration.h"
+#include "tests/support/synthetic_rover.h"
+
+namespace rigmap {
+namespace {
+
+// By hand, from the turn about y and the principal points alone.
+TEST(UncheckedScaleSigma, IsThatOfAnOffsetOfAllDisparitiesAndOfTheFocalLength) {
+  const StereoRig rig = LocCamRig();
+  AdjustmentOptions options;
+  const double f = rig.left.camera.fx;
+  const double turn_px = options.rig_prior_deg * std::numbers::pi / 180.0 * f;
+  const double offset_px = std::hypot(turn_px, std::sqrt(2.0) * options.principal_point_prior_px);
+  const double disparity_px = f * rig.Baseline() / 4.0;
+  const double expected =
+      std::hypot(offset_px / disparity_px, 0.01 * options.focal_prior_pct);
+  EXPECT_NEAR(UncheckedScaleSigma(rig, {2.0, 4.0, 9.0}, options), expected, 0.15 * expected);
+  // Twice as near, the offset matters half as much.
+  options.focal_prior_pct = 1e-6;
+  EXPECT_NEAR(UncheckedScaleSigma(rig, {2.0}, options) / UncheckedScaleSigma(rig, {4.0}, options),
+              0.5, 1e-3);
+  EXPECT_EQ(UncheckedScaleSigma(rig, {}, options), 0.0);
+}
+
+TEST(UncheckedScaleSigma, IsSmallWhereTheRigFileKnowsItsCalibration) {
+  StereoRig rig = LocCamRig();
+  const AdjustmentOptions options;
+  const double by_prior = UncheckedScaleSigma(rig, {4.0}, options);
+  const CalibrationVector sigmas = PriorOf(rig, options).sigmas;
+  rig.calibration_covariance = (0.01 * sigmas.cwiseAbs2()).asDiagonal();
+  EXPECT_NEAR(UncheckedScaleSigma(rig, {4.0}, options), 0.1 * by_prior, 0.01 * by_prior);
+}
+
+}  // namespace
+}  // namespace rigmap
