@@ -97,7 +97,7 @@ void AddRejectors(Icp& icp, const RegistrationOptions& options) {
 CloudAlignment Align(const PclCloud::Ptr& source, const PclCloud::Ptr& target,
                      const Rigid3& guessed_target_from_source, double grid_m,
                      const RegistrationOptions& options) {
-  constexpr double kTolerance_m = 1e-4, kTolerance_rad = 5e-4;
+  constexpr double kTolerance_m = 1e-4, kTolerance_rad = 1e-3;
   const auto icp = Make(options);
   icp->setInputSource(source);
   icp->setInputTarget(target);

@@ -68,8 +68,10 @@ OptionFields RegistrationOptions::Fields() {
        "Pairs of points whose normals differ by more do not count."},
       {"max_iterations", &max_iterations, "", AtLeast(1), "Of ICP."},
       {"shared_noise", &shared_noise, "", AtLeast(1.0),
-       "Sigmas of a step grow by this factor: noise that a whole frame shares leaves no trace in "
-       "residuals. As in the odometry."},
+       "Sigmas of a step grow by this factor: noise that a whole frame shares, as that of "
+       "matching, "
+       "leaves no trace in residuals. With 2, squared errors of full-size parts were twice their "
+       "variance, with 3 they are as large."},
       {"min_overlap", &min_overlap, "", AtLeast(0.0).UpTo(1.0),
        "With a smaller share of points that have a counterpart a registration has failed."},
   };

@@ -47,7 +47,7 @@ struct RegistrationOptions {
   double kept_share = 0.9;
   double max_normal_angle_deg = 30.0;
   int max_iterations = 50;
-  double shared_noise = 2.0;
+  double shared_noise = 3.0;
   double min_overlap = 0.3;
 
   OptionFields Fields();
