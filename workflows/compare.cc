@@ -11,6 +11,7 @@
 #include "core/error.h"
 #include "core/file.h"
 #include "workflows/comparison.h"
+#include "workflows/evaluate_part.h"
 #include "workflows/reconstruct_part.h"
 
 namespace rigmap {
@@ -82,7 +83,9 @@ std::vector<Run> PlanRuns(const CompareRequest& request) {
         const std::string label = setting.empty()
                                       ? run.name.technique
                                       : fmt::format("{} {}", run.name.technique, run.name.setting);
-        run.out = request.out / "runs" / part / label / std::to_string(repeat);
+        run.name.run = fs::path("runs") / part / label / std::to_string(repeat);
+        if (request.part->truth) run.name.truth = fs::absolute(TruthFile(*request.part->truth));
+        run.out = request.out / run.name.run;
         runs.push_back(std::move(run));
       }
     }
@@ -183,7 +186,8 @@ std::vector<ComparisonRow> StoredRows(const fs::path& out) {
 std::vector<ComparisonRow> RowsOf(const std::vector<fs::path>& outs) {
   std::vector<ComparisonRow> rows;
   for (const fs::path& out : outs) {
-    ComparisonRow row = MakeRow({.part = out.lexically_normal().string()}, out);
+    ComparisonRow row =
+        MakeRow({.part = out.lexically_normal().string(), .run = fs::absolute(out)}, out);
     const auto summary = nlohmann::json::parse(ReadTextFile(out / "summary.json"));
     row["technique"] = summary.value("technique", "rig");
     rows.push_back(std::move(row));

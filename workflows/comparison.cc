@@ -48,18 +48,17 @@ constexpr std::array kEvaluated{
 constexpr std::array kDriftLengths{5, 10, 25, 50, 100};
 
 // Columns that tell rows apart or are words.
-const std::array<std::string, 8> kWords{"part", "technique", "setting", "repeat",
-                                        "exit", "status",    "reason",  "verdict"};
+const std::array<std::string, 10> kWords{"part",  "technique", "setting", "repeat", "run",
+                                         "truth", "exit",      "status",  "reason", "verdict"};
 
 bool IsNumber(const std::string& column) {
   return std::ranges::find(kWords, column) == kWords.end();
 }
 
 Json Start(const RunName& name) {
-  return {{"part", name.part},
-          {"technique", name.technique},
-          {"setting", name.setting},
-          {"repeat", name.repeat}};
+  return {{"part", name.part},       {"technique", name.technique},
+          {"setting", name.setting}, {"repeat", name.repeat},
+          {"run", name.run},         {"truth", name.truth}};
 }
 
 Json At(const Json& json, const std::string& pointer) {

@@ -13,6 +13,7 @@ struct RunName {
   std::string part, technique;
   std::string setting;  // "stage.option=value ...", empty: as configured
   int repeat = 0;
+  std::string run, truth;  // its folder, and the true trajectory if there is one: for pictures
 };
 
 using ComparisonRow = nlohmann::ordered_json;

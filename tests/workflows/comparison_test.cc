@@ -96,9 +96,11 @@ TEST_F(Comparison, CsvHasACellForEachColumnAndQuotesWords) {
     lines.push_back(csv.substr(at, csv.find('\n', at) - at));
   }
   ASSERT_EQ(lines.size(), 3U);
-  EXPECT_THAT(lines[0], StartsWith("part,technique,setting,repeat,exit,status,reason,verdict,"));
+  EXPECT_THAT(lines[0],
+              StartsWith("part,technique,setting,repeat,run,truth,exit,status,reason,verdict,"));
   EXPECT_THAT(lines[1], HasSubstr("\"good \"\"enough\"\"\""));
-  EXPECT_THAT(lines[2], HasSubstr("\"icp\",\"\",0,1,\"failed\",\"expected one, found none\","));
+  EXPECT_THAT(lines[2],
+              HasSubstr("\"icp\",\"\",0,\"\",\"\",1,\"failed\",\"expected one, found none\","));
   EXPECT_EQ(std::ranges::count(lines[0], ','), std::ranges::count(lines[1], ','));
 }
 
