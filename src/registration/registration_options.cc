@@ -7,7 +7,7 @@ OptionFields CloudOptions::Fields() {
       {"grid_m", &grid_m, "m", AtLeast(0.0),
        "Side of the box in which the points of a frame are merged to their mean. 0: a fortieth of "
        "the distance of near ground, rounded up to 1, 2 or 5 times a power of ten, 5 cm for a "
-       "rover: relief of a few boxes is what holds a cloud in place. The thesis tried 1 to 10 cm."},
+       "rover: relief of a few boxes is what holds a cloud in place. 1 to 10 cm are usual."},
       {"min_depth_m", &min_depth_m, "m", AtLeast(0.0),
        "What is nearer is masked. 0: nothing is that dense matching finds."},
       {"max_depth_m", &max_depth_m, "m", AtLeast(0.0),
