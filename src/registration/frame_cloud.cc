@@ -81,13 +81,14 @@ void SetNormals(const PclCloud::Ptr& cloud) {
 CloudLimits LimitsFor(const StereoRig& rig, double near_m, const CloudOptions& options) {
   RequireValid(options);
   constexpr double kNearShare = 1.0 / 40.0;
-  CloudLimits limits{options.grid_m,
-                     options.min_depth_m,
-                     options.max_depth_m,
-                     options.min_height_m,
-                     options.max_height_m,
-                     options.denoise_neighbours,
-                     options.denoise_deviations};
+  constexpr double kNoLimit_m = std::numeric_limits<double>::infinity();
+  CloudLimits limits{.grid_m = options.grid_m,
+                     .min_depth_m = options.min_depth_m,
+                     .max_depth_m = options.max_depth_m,
+                     .min_height_m = options.max_below_m > 0.0 ? -options.max_below_m : -kNoLimit_m,
+                     .max_height_m = options.max_above_m > 0.0 ? options.max_above_m : kNoLimit_m,
+                     .denoise_neighbours = options.denoise_neighbours,
+                     .denoise_deviations = options.denoise_deviations};
   if (limits.grid_m == 0.0) limits.grid_m = RoundedUp(kNearShare * near_m);
   // sigma_z = z^2 / (f b) sigma_d.
   const double depth_px = rig.left.camera.MeanFocal() * rig.Baseline();

@@ -24,6 +24,7 @@ using FrameCloud = std::vector<CloudPoint>;
 struct CloudLimits {
   double grid_m = 0.0;
   double min_depth_m = 0.0, max_depth_m = 0.0;
+  // Heights along the left camera's -y.
   double min_height_m = 0.0, max_height_m = 0.0;
   int denoise_neighbours = 0;
   double denoise_deviations = 0.0;

@@ -7,18 +7,17 @@ OptionFields CloudOptions::Fields() {
       {"grid_m", &grid_m, "m", AtLeast(0.0),
        "Side of the box in which the points of a frame are merged to their mean. 0: a fortieth of "
        "the distance of near ground, rounded up to 1, 2 or 5 times a power of ten, 5 cm for a "
-       "rover: relief of a few boxes is what holds a cloud in place. The thesis tried 1 to 10 cm."},
+       "rover: relief of a few boxes is what holds a cloud in place. 1 to 10 cm are usual."},
       {"min_depth_m", &min_depth_m, "m", AtLeast(0.0),
        "What is nearer is masked. 0: nothing is that dense matching finds."},
       {"max_depth_m", &max_depth_m, "m", AtLeast(0.0),
        "What is further is masked. 0: where one standard deviation of a depth, at a tenth of a "
        "pixel of disparity, reaches grid_m."},
-      {"min_height_m",
-       &min_height_m,
-       "m",
-       {},
-       "What is lower is masked, heights above the left camera along its upward axis (-y)."},
-      {"max_height_m", &max_height_m, "m", {}, "What is higher is masked, as min_height_m."},
+      {"max_above_m", &max_above_m, "m", AtLeast(0.0),
+       "What is higher above the left camera, along its upward axis (-y), is masked. 0: nothing "
+       "is."},
+      {"max_below_m", &max_below_m, "m", AtLeast(0.0),
+       "What is further below the left camera is masked, as max_above_m."},
       {"denoise_neighbours", &denoise_neighbours, "", AtLeast(0),
        "Statistical outlier removal: a point is dropped if the mean distance to so many neighbours "
        "is too large. 0: none is. As MATLAB's pcdenoise."},
@@ -30,8 +29,6 @@ OptionFields CloudOptions::Fields() {
 void CloudOptions::RequireRelations() const {
   RequireOption(max_depth_m == 0.0 || max_depth_m > min_depth_m, "registration.max_depth_m",
                 "0 or more than registration.min_depth_m", max_depth_m);
-  RequireOption(max_height_m > min_height_m, "registration.max_height_m",
-                "more than registration.min_height_m", max_height_m);
 }
 
 OptionFields RegistrationOptions::Fields() {

@@ -14,8 +14,8 @@ struct CloudOptions {
   double grid_m = 0.0;
   double min_depth_m = 0.0;
   double max_depth_m = 0.0;
-  double min_height_m = -100.0;
-  double max_height_m = 100.0;
+  double max_above_m = 0.0;
+  double max_below_m = 0.0;
   int denoise_neighbours = 4;
   double denoise_deviations = 1.0;
 

@@ -106,6 +106,12 @@ TEST(LimitsFor, FollowFromRigAndNearGround) {
   // There, a tenth of a pixel is a box.
   const double depth_m = limits.max_depth_m;
   EXPECT_NEAR(depth_m * depth_m / (840.0 * 0.12) * 0.1, limits.grid_m, 1e-9);
+  EXPECT_GT(limits.max_height_m, 1e6);
+  CloudOptions options;
+  options.max_above_m = 0.5;
+  options.max_below_m = 2.0;
+  EXPECT_EQ(LimitsFor(rig, 1.5, options).max_height_m, 0.5);
+  EXPECT_EQ(LimitsFor(rig, 1.5, options).min_height_m, -2.0);
 }
 
 TEST(LimitsFor, RefusesWhatCannotBe) {

@@ -86,7 +86,8 @@ TEST(PartOptionsText, ReadsBackWithEveryOptionChanged) {
       EXPECT_NE(OptionValueText(field), before) << section.name << "." << field.name;
     }
   }
-  options.dense.max_range_m = 7.25;  // 0, or beyond the nearest depth
+  // 0, or beyond the nearest depth.
+  options.dense.max_range_m = options.clouds.max_depth_m = 7.25;
   const TemporaryFolder folder;
   const auto path = WriteTestFile(folder.Path() / "a.yaml", WritePartOptions(options));
   EXPECT_EQ(WritePartOptions(LoadPartOptions(path, {})), WritePartOptions(options));
