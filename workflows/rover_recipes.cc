@@ -48,7 +48,8 @@ StageGraph FilterRecipe(const Dataset& data, const DatasetContent& data_content,
 
   // fused with wheels, gyro and inclinometer
   const auto rover =
-      g.AddStage(Filter(), Reading(o.dead_reckoning, o.filter), in.dataset, odometry);
+      g.AddStage(Filter(), Reading(o.dead_reckoning, o.filter, o.odometry, o.adjustment),
+                 in.dataset, features, odometry);
 
   AddRoverSurface(g, o, in, found, rover, OdometricGates());
   return g;

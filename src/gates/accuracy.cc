@@ -62,7 +62,9 @@ Accuracy AccuracyOf(const Trajectory& trajectory, const Adjustment& adjustment,
   const auto scale = adjustment.scale_sigma || !beside.positions_known ? adjustment.scale_sigma
                                                                        : FarthestSigma(trajectory);
   if (scale) accuracy.scale_95_pct = 100.0 * kSigmas95 * std::hypot(*scale, of_all_lengths);
-  if (const auto& noise = adjustment.scale_sigma_of_noise) {
+  if (beside.calibration_scale_sigma > 0.0 && scale) {
+    accuracy.noise_95_pct = 100.0 * kSigmas95 * *scale;
+  } else if (const auto& noise = adjustment.scale_sigma_of_noise) {
     accuracy.noise_95_pct = 100.0 * kSigmas95 * *noise;
   }
   if (rig.baseline_sigma_m) accuracy.baseline_95_pct = 100.0 * kSigmas95 * of_baseline;

@@ -76,6 +76,7 @@ TEST(AccuracyOf, CountsWhatTheCalibrationLeavesUnknownOfAllLengths) {
   const Trajectory trajectory = Drive();  // 5 m, without any noise
   const Accuracy found = AccuracyOf(trajectory, {}, LocCamRig(), {.calibration_scale_sigma = 0.02});
   EXPECT_NEAR(found.scale_95_pct.value(), 1.96 * 2.0, 1e-3);
+  EXPECT_EQ(found.noise_95_pct, 0.0);  // so that a refusal names the calibration
   // Along the way alone: the 95 % of one direction.
   EXPECT_NEAR(found.position_95_m.value(), 1.96 * 0.02 * 5.0, 0.01);
 }

@@ -75,8 +75,8 @@ TEST_F(EvaluatePartTest, ComparesAsTheRunWasConfigured) {
 
 TEST_F(EvaluatePartTest, PrintsATableForPeople) {
   const std::string table = EvaluatePart({out_, truth_, false});
-  EXPECT_THAT(table, HasSubstr("ate_se3_m        0."));
-  EXPECT_THAT(table, HasSubstr("frames           21\n"));
+  EXPECT_THAT(table, HasSubstr("ate_se3_m              0."));
+  EXPECT_THAT(table, HasSubstr("frames                 21\n"));
 }
 
 TEST_F(EvaluatePartTest, PrintsInnerValuesByNameAndListsAsTables) {

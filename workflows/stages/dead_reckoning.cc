@@ -63,11 +63,18 @@ DeadReckonedPart MakeDeadReckoned(const StageContext&, const Dataset& dataset,
   return rover;
 }
 
-DeadReckonedPart MakeFiltered(const StageContext&, const Dataset& dataset, const Odometry& odometry,
-                              const DeadReckoningOptions& options, const FilterOptions& filter) {
+// Metres are those of the images, so what is not known of the calibration counts.
+DeadReckonedPart MakeFiltered(const StageContext&, const Dataset& dataset,
+                              const FeatureStore& features, const Odometry& odometry,
+                              const DeadReckoningOptions& options, const FilterOptions& filter,
+                              const OdometryOptions& visual, const AdjustmentOptions& prior) {
   const std::vector<VisualStep> steps = VisualSteps(odometry);
   DeadReckonedPart rover = InWorld(dataset, EstimateMotion(dataset, steps, options, filter));
-  if (!steps.empty() && filter.use_vision) rover.visual_scale_sigma = filter.vision_scale_sigma;
+  if (!steps.empty() && filter.use_vision) {
+    rover.visual_scale_sigma = filter.vision_scale_sigma;
+    rover.part.calibration_scale_sigma =
+        CalibrationScaleSigma(dataset.rig, features, odometry, visual.disparity_noise_px, prior);
+  }
   for (std::size_t i = 0; i < odometry.size(); ++i) {
     rover.part.trajectory[i].keyframe = odometry[i].keyframe;
   }
@@ -91,7 +98,7 @@ void PublishDeadReckoned(Publication& publication, const StageContext&,
 }
 
 void PublishFiltered(Publication& publication, const StageContext&, const DeadReckonedPart& rover,
-                     const Dataset&, const Odometry&) {
+                     const Dataset&, const FeatureStore&, const Odometry&) {
   PublishTrajectory(rover.part.rig, rover.part.trajectory, publication);
 }
 
@@ -102,7 +109,8 @@ Report ReportDeadReckoned(const DeadReckonedPart& rover, const Dataset&) {
   return report;
 }
 
-Report ReportFiltered(const DeadReckonedPart& rover, const Dataset&, const Odometry&) {
+Report ReportFiltered(const DeadReckonedPart& rover, const Dataset&, const FeatureStore&,
+                      const Odometry&) {
   return ReportRover(rover);
 }
 

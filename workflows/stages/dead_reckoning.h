@@ -27,7 +27,8 @@ using DeadReckoningStage = Stage<DeadReckonedPart, Takes<Dataset>, Reads<DeadRec
 DeadReckoningStage DeadReckoning();
 
 using FilterStage =
-    Stage<DeadReckonedPart, Takes<Dataset, Odometry>, Reads<DeadReckoningOptions, FilterOptions>>;
+    Stage<DeadReckonedPart, Takes<Dataset, FeatureStore, Odometry>,
+          Reads<DeadReckoningOptions, FilterOptions, OdometryOptions, AdjustmentOptions>>;
 FilterStage Filter();
 
 // Views: as the techniques without an adjustment have a part, and its steps for the gates.

@@ -62,6 +62,13 @@ Report ReportOdometric(const OdometricPart& part, const Dataset&, const FeatureS
 
 }  // namespace
 
+double CalibrationScaleSigma(const StereoRig& rig, const FeatureStore& features,
+                             const Odometry& odometry, double disparity_noise_px,
+                             const AdjustmentOptions& prior) {
+  SeenPoints seen = PointsOf(rig, features, odometry, disparity_noise_px);
+  return UncheckedScaleSigma(rig, std::move(seen.depths_m), prior);
+}
+
 TrajectoryStage OdometricTrajectory() {
   return {.name = "trajectory",
           .about = "the poses of the odometry, laid into the world as they are",

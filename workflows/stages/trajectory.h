@@ -32,6 +32,12 @@ using TrajectoryStage = Stage<OdometricPart, Takes<Dataset, FeatureStore, Odomet
                               Reads<OdometryOptions, AdjustmentOptions>>;
 TrajectoryStage OdometricTrajectory();
 
+// What the prior of the calibration leaves unknown of all lengths, by the depths that the keyframes
+// see (adjustment/unchecked_scale.h).
+double CalibrationScaleSigma(const StereoRig& rig, const FeatureStore& features,
+                             const Odometry& odometry, double disparity_noise_px,
+                             const AdjustmentOptions& prior);
+
 // A view.
 PosedPart PosedByOdometry(const StageContext& context, const Dataset& dataset,
                           const OdometricPart& part);
