@@ -62,6 +62,15 @@ TEST_F(CompareTest, SetsTechniquesAndSettingsSideBySideAndGoesOnFromWhatIsThere)
   EXPECT_THAT(both.out, HasSubstr("0/0/1"));
   EXPECT_TRUE(fs::exists(out_ / "comparison.csv"));
 
+  // Pictures of what there is; a run that failed has none.
+  const ProgramEnd plots = RunProgram(kPython, {RIGMAP_DOCS "/../tools/plot-comparison", out_});
+  EXPECT_EQ(plots.exit_code, 0) << plots.err;
+  const std::string part = SimulatedPartFolder().filename();
+  for (const std::string& name : {part + "-routes", part + "-errors", part + "-map-vo",
+                                  std::string("spread"), std::string("cost")}) {
+    EXPECT_THAT(ReadTextFile(out_ / "plots" / (name + ".svg")), HasSubstr("</svg>")) << name;
+  }
+
   // Results that lie anywhere can be compared as well.
   const fs::path run = out_ / "runs" / SimulatedPartFolder().filename() / "vo" / "0";
   const ProgramEnd stored = RunRigmap({"compare", run, "--out", folder_.Path() / "stored"});
