@@ -19,8 +19,7 @@ TEST(UncheckedScaleSigma, IsThatOfAnOffsetOfAllDisparitiesAndOfTheFocalLength) {
   const double turn_px = options.rig_prior_deg * std::numbers::pi / 180.0 * f;
   const double offset_px = std::hypot(turn_px, std::sqrt(2.0) * options.principal_point_prior_px);
   const double disparity_px = f * rig.Baseline() / 4.0;
-  const double expected =
-      std::hypot(offset_px / disparity_px, 0.01 * options.focal_prior_pct);
+  const double expected = std::hypot(offset_px / disparity_px, 0.01 * options.focal_prior_pct);
   EXPECT_NEAR(UncheckedScaleSigma(rig, {2.0, 4.0, 9.0}, options), expected, 0.15 * expected);
   // Twice as near, the offset matters half as much.
   options.focal_prior_pct = 1e-6;
