@@ -14,11 +14,12 @@ namespace {
 
 double SecondsFrom(StampNs from, StampNs to) { return 1e-9 * static_cast<double>(to - from); }
 
+// `without`: what to do if it is not there, if anything.
 template <class Record>
-void RequireRecord(const Record& record, const char* what) {
-  if (!record.problem.empty()) throw DataError(record.problem);
+void RequireRecord(const Record& record, const char* what, const std::string& without) {
+  if (!record.problem.empty()) throw DataError(record.problem + without);
   if (record.samples.empty()) {
-    throw DataError(fmt::format("expected samples of the {}, found none", what));
+    throw DataError(fmt::format("expected samples of the {}, found none{}", what, without));
   }
 }
 
@@ -254,9 +255,12 @@ EstimatedMotion EstimateMotion(const Dataset& dataset, std::span<const VisualSte
                     "sensors measure tells of its cameras, found none",
                     dataset.rig.source));
   }
-  if (filter.use_wheels) RequireRecord(dataset.wheels, "wheels");
-  if (filter.use_gyro) RequireRecord(dataset.inertial, "inertial unit");
   const bool is_blind = visual.empty() || !filter.use_vision;
+  const auto without = [&](const char* option) {
+    return is_blind ? std::string() : fmt::format("; --set filter.{}=false does without", option);
+  };
+  if (filter.use_wheels) RequireRecord(dataset.wheels, "wheels", without("use_wheels"));
+  if (filter.use_gyro) RequireRecord(dataset.inertial, "inertial unit", without("use_gyro"));
   if (is_blind && filter.use_wheels) {
     RequireNoGap(dataset.wheels, "odometry.txt", dataset, options.max_gap_s);
   }

@@ -1,0 +1,46 @@
+// The arguments of the commands that reconstruct a part.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "workflows/compare.h"
+#include "workflows/part_request.h"
+
+namespace rigmap {
+
+// As typed.
+struct PartArguments {
+  std::string dataset, out, rig, config, frames, format, until, from, truth;
+  std::string technique = "rig";
+  std::optional<int> traverse, part, threads;
+  std::optional<double> accuracy_pct;
+  int memory_mb = 2048;
+  std::vector<std::string> assignments;
+  bool force = false, quiet = false, depth_maps = false;
+};
+
+// The subcommand `part`.
+void AddPart(CLI::App& app, PartArguments& arguments);
+// Throws UsageError and DataError for what cannot be; opens nothing but the options' file.
+PartRequest MakeRequest(const PartArguments& arguments, std::string command);
+
+struct CompareArguments {
+  PartArguments part;
+  std::vector<std::string> outs, techniques, sweeps;
+  int repeats = 1;
+};
+
+// The subcommand `compare`.
+CLI::App* AddCompare(CLI::App& app, CompareArguments& arguments);
+// As MakeRequest.
+CompareRequest MakeCompareRequest(const CompareArguments& arguments, const std::string& command);
+
+template <class Value>
+std::optional<Value> IfGiven(const std::string& text) {
+  return text.empty() ? std::nullopt : std::optional<Value>(text);
+}
+
+}  // namespace rigmap
