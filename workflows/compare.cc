@@ -39,6 +39,8 @@ std::string PartName(const DatasetRequest& dataset) {
   fs::path folder = fs::absolute(dataset.folder).lexically_normal();
   if (!folder.has_filename()) folder = folder.parent_path();
   std::string name = folder.filename().string();
+  // What the simulator writes is called so everywhere.
+  if (name == "data") name = folder.parent_path().filename().string() + "-data";
   if (dataset.traverse) name += fmt::format("-traverse{}", *dataset.traverse);
   if (dataset.part) name += fmt::format("-part{}", *dataset.part);
   if (dataset.frames) {
