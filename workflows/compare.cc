@@ -170,13 +170,13 @@ std::size_t OrderOf(const std::string& technique) {
 // Of every run below out/runs, whichever call of compare has made it.
 std::vector<ComparisonRow> StoredRows(const fs::path& out) {
   std::vector<ComparisonRow> rows;
-  for (const auto& entry : fs::recursive_directory_iterator(out / "runs")) {
-    if (entry.path().extension() != ".json" || !entry.is_regular_file()) continue;
-    if (std::distance(out.begin(), out.end()) + 4 !=
-        std::distance(entry.path().begin(), entry.path().end())) {
-      continue;  // of a run's own folder
+  for (const auto& part : fs::directory_iterator(out / "runs")) {
+    for (const auto& label : fs::directory_iterator(part)) {
+      for (const auto& entry : fs::directory_iterator(label)) {
+        if (entry.path().extension() != ".json") continue;
+        rows.push_back(ComparisonRow::parse(ReadTextFile(entry.path())));
+      }
     }
-    rows.push_back(ComparisonRow::parse(ReadTextFile(entry.path())));
   }
   std::ranges::sort(rows, {}, [](const ComparisonRow& row) {
     return std::tuple(row["part"].get<std::string>(), OrderOf(row["technique"]),

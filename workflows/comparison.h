@@ -25,6 +25,8 @@ ComparisonRow MakeRow(const RunName& name, const std::filesystem::path& out);
 // Of a run that ended before it left a summary.
 ComparisonRow MakeFailedRow(const RunName& name, int exit_code, const std::string& reason);
 
+// The names of all cells, in the order in which rows have them.
+std::vector<std::string> ColumnsOf(const std::vector<ComparisonRow>& rows);
 // {"rows": [...], "medians": [...]}: of the rows that are alike but for their repeat the median and
 // the spread (largest less smallest) of each number.
 nlohmann::ordered_json WriteComparison(const std::vector<ComparisonRow>& rows);

@@ -65,42 +65,6 @@ LinearSystem SystemOf(const CalibrationVector& freed, const CalibrationVector& n
 
 }  // namespace
 
-StereoRig Corrected(const StereoRig& rig, const CalibrationVector& correction) {
-  StereoRig corrected = rig;
-  corrected.right_from_left =
-      Rigid3{ExpRotation(correction.segment<3>(kRotationX)), Eigen::Vector3d::Zero()} *
-      rig.right_from_left;
-  const auto correct = [&](Camera& camera, double log_focal, int centre, int k1) {
-    camera.fx *= std::exp(log_focal);
-    camera.fy *= std::exp(log_focal);
-    camera.cx += correction(centre);
-    camera.cy += correction(centre + 1);
-    camera.k1 += correction(k1);
-    camera.k2 += correction(k1 + 1);
-    camera.p1 += correction(k1 + 2);
-    camera.p2 += correction(k1 + 3);
-  };
-  correct(corrected.left.camera, correction(kLogFocal), kLeftCx, kLeftK1);
-  correct(corrected.right.camera, correction(kLogFocal) + correction(kLogRightFocal), kRightCx,
-          kRightK1);
-  return corrected;
-}
-
-CalibrationVector CorrectionBetween(const StereoRig& from, const StereoRig& to) {
-  CalibrationVector correction;
-  correction.segment<3>(kRotationX) =
-      LogRotation(to.right_from_left.rotation * from.right_from_left.rotation.conjugate());
-  const auto between = [&](const Camera& a, const Camera& b, int centre, int k1) {
-    correction.segment<2>(centre) << b.cx - a.cx, b.cy - a.cy;
-    correction.segment<4>(k1) << b.k1 - a.k1, b.k2 - a.k2, b.p1 - a.p1, b.p2 - a.p2;
-    return std::log(b.fx / a.fx);
-  };
-  correction(kLogFocal) = between(from.left.camera, to.left.camera, kLeftCx, kLeftK1);
-  correction(kLogRightFocal) =
-      between(from.right.camera, to.right.camera, kRightCx, kRightK1) - correction(kLogFocal);
-  return correction;
-}
-
 std::optional<CalibrationStep> RotationAndFocalStep(const CalibrationEquations& equations) {
   const Eigen::Matrix4d information = equations.information.topLeftCorner<4, 4>();
   const Eigen::LDLT<Eigen::Matrix4d> solver(information);
@@ -138,21 +102,6 @@ CalibrationVector SigmasOf(const StereoRig& rig, const AdjustmentOptions& option
 
 }  // namespace
 
-double SigmaOf(double (*function)(const StereoRig&), const StereoRig& rig,
-               const CalibrationVector& correction, const CalibrationVector& prior_sigmas,
-               const CalibrationMatrix& covariance) {
-  constexpr double kStepSigmas = 0.01;  // of the prior: where the function is linear
-  CalibrationVector gradient;
-  for (int i = 0; i < kCalibrationSize; ++i) {
-    CalibrationVector ahead = correction, behind = correction;
-    ahead(i) += kStepSigmas * prior_sigmas(i);
-    behind(i) -= kStepSigmas * prior_sigmas(i);
-    gradient(i) = (function(Corrected(rig, ahead)) - function(Corrected(rig, behind))) /
-                  (2.0 * kStepSigmas * prior_sigmas(i));
-  }
-  return std::sqrt(std::max(0.0, gradient.dot(covariance * gradient)));
-}
-
 CalibrationPrior PriorOf(const StereoRig& rig, const AdjustmentOptions& options) {
   if (rig.calibration_covariance) {
     return {rig.calibration_covariance->diagonal().cwiseSqrt(),
@@ -181,35 +130,6 @@ std::optional<ProbableCorrection> MostProbable(RigRefinement refined, const Cali
   if (!found.correction.allFinite() || !found.covariance.allFinite()) return std::nullopt;
   found.covariance = freed.asDiagonal() * found.covariance * freed.asDiagonal();
   return found;
-}
-
-std::optional<Eigen::Vector2d> RightPixelAtInfinity(const StereoRig& rig,
-                                                    const Eigen::Vector2d& left) {
-  const auto ray = Undistort(rig.left.camera, left);
-  if (!ray) return std::nullopt;
-  return Project(rig.right.camera, rig.right_from_left.rotation * ray->homogeneous());
-}
-
-double DisparityAtInfinity(const StereoRig& rig) {
-  const Camera& camera = rig.left.camera;
-  const Eigen::Vector2d middle(0.5 * (camera.width - 1), 0.5 * (camera.height - 1));
-  const auto right = RightPixelAtInfinity(rig, middle);
-  return right ? middle.x() - right->x() : 0.0;
-}
-
-double LargestShiftPx(const StereoRig& from, const StereoRig& to) {
-  constexpr int kSteps = 8;
-  const Camera& camera = from.left.camera;
-  double largest_px = 0.0;
-  for (int column = 0; column <= kSteps; ++column) {
-    for (int row = 0; row <= kSteps; ++row) {
-      const Eigen::Vector2d left(static_cast<double>(column * (camera.width - 1)) / kSteps,
-                                 static_cast<double>(row * (camera.height - 1)) / kSteps);
-      const auto a = RightPixelAtInfinity(from, left), b = RightPixelAtInfinity(to, left);
-      if (a && b) largest_px = std::max(largest_px, (*a - *b).norm());
-    }
-  }
-  return largest_px;
 }
 
 namespace {

@@ -5,6 +5,8 @@
 #include "adjustment/level_world.h"
 #include "trajectory/assemble_trajectory.h"
 #include "trajectory/starting_poses.h"
+#include "workflows/stages/sparse_output.h"
+#include "workflows/stages/trajectory_output.h"
 
 namespace rigmap {
 
@@ -36,6 +38,19 @@ std::vector<std::optional<Rigid3>> PosesByFrame(const AlignedKeyframes& aligned,
     poses[graph.keyframes[k].frame] = aligned.world_from_left[k];
   }
   return poses;
+}
+
+std::vector<std::string> PosesAndPointsOutputs() {
+  std::vector<std::string> outputs = kTrajectoryOutputs;
+  outputs.insert(outputs.end(), {"sparse", "sparse.ply"});
+  return outputs;
+}
+
+void PublishPosesAndPoints(const AdjustedPart& part, const Dataset& dataset,
+                           Publication& publication) {
+  PublishSparse(MakeSparseOutput(dataset, part.adjustment, part.world_from_gauge), dataset,
+                publication);
+  PublishTrajectory(part.adjustment.rig, part.trajectory, publication);
 }
 
 PosedPart PosedByAdjustment(const StageContext&, const Dataset& dataset, const AdjustedPart& part) {

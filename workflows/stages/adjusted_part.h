@@ -40,6 +40,11 @@ std::vector<std::optional<Rigid3>> PosesByFrame(const AlignedKeyframes& aligned,
                                                 const KeyframeGraph& graph,
                                                 std::size_t frame_count);
 
+// What users get of poses and points, whoever found them: trajectories, sparse/ and sparse.ply.
+std::vector<std::string> PosesAndPointsOutputs();
+void PublishPosesAndPoints(const AdjustedPart& part, const Dataset& dataset,
+                           Publication& publication);
+
 // A view.
 PosedPart PosedByAdjustment(const StageContext& context, const Dataset& dataset,
                             const AdjustedPart& part);

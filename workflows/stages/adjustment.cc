@@ -11,7 +11,6 @@
 #include "pose_graph/relax_poses.h"
 #include "trajectory/starting_poses.h"
 #include "workflows/stages/calibration_output.h"
-#include "workflows/stages/sparse_output.h"
 #include "workflows/stages/trajectory.h"
 #include "workflows/stages/trajectory_output.h"
 
@@ -99,8 +98,7 @@ void PublishAdjusted(Publication& publication, const StageContext&, const Adjust
                      const Odometry&, const Correspondences&, const KeyframeGraph&,
                      const AlignedKeyframes&) {
   const Adjustment& adjustment = part.adjustment;
-  PublishSparse(MakeSparseOutput(dataset, adjustment, part.world_from_gauge), dataset, publication);
-  PublishTrajectory(adjustment.rig, part.trajectory, publication);
+  PublishPosesAndPoints(part, dataset, publication);
   PublishCalibration(dataset, content, adjustment, publication);
   if (adjustment.IsRigCorrected()) PublishRig(WithFilesOf(dataset, adjustment.rig), publication);
 }
@@ -134,9 +132,8 @@ Report ReportAdjusted(const AdjustedPart& part, const Dataset& dataset, const Da
 }  // namespace
 
 AdjustmentStage RigAdjustment() {
-  std::vector<std::string> publishes = kTrajectoryOutputs;
-  publishes.insert(publishes.end(),
-                   {"calibration.json", "rig_refined.yaml", "sparse", "sparse.ply"});
+  std::vector<std::string> publishes = PosesAndPointsOutputs();
+  publishes.insert(publishes.end(), {"calibration.json", "rig_refined.yaml"});
   return {.name = "adjustment",
           .about =
               "one pose per frame, the rig held and, where the images contradict it, corrected "

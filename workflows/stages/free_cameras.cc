@@ -10,9 +10,7 @@
 #include "scale/metric_models.h"
 #include "trajectory/interpolated_odometry.h"
 #include "workflows/stages/scale.h"
-#include "workflows/stages/sparse_output.h"
 #include "workflows/stages/trajectory.h"
-#include "workflows/stages/trajectory_output.h"
 
 namespace rigmap {
 namespace {
@@ -73,9 +71,9 @@ Report ReportFreeScale(const AlignedKeyframes& aligned, const Dataset& dataset,
 AdjustedPart MakeFreeTrajectory(const StageContext&, const Dataset& dataset,
                                 const MappingResult& mapped, const AlignedKeyframes& aligned) {
   if (aligned.models.empty()) {
-    throw DataError(fmt::format(
-        "{}: expected a model with left and right images of a frame, found none that COLMAP made",
-        "structure from motion"));
+    throw DataError(
+        "structure from motion: expected a model with left and right images of a frame, found none "
+        "that COLMAP made");
   }
   std::vector<int> frames(dataset.frames.size());
   std::iota(frames.begin(), frames.end(), 0);
@@ -88,9 +86,7 @@ AdjustedPart MakeFreeTrajectory(const StageContext&, const Dataset& dataset,
 
 void PublishFreeTrajectory(Publication& publication, const StageContext&, const AdjustedPart& part,
                            const Dataset& dataset, const MappingResult&, const AlignedKeyframes&) {
-  PublishSparse(MakeSparseOutput(dataset, part.adjustment, part.world_from_gauge), dataset,
-                publication);
-  PublishTrajectory(part.adjustment.rig, part.trajectory, publication);
+  PublishPosesAndPoints(part, dataset, publication);
 }
 
 Report ReportFreeTrajectory(const AdjustedPart& part, const Dataset&, const MappingResult&,
@@ -128,13 +124,11 @@ FreeScaleStage FreeScale() {
 }
 
 FreeTrajectoryStage FreeTrajectory() {
-  std::vector<std::string> publishes = kTrajectoryOutputs;
-  publishes.insert(publishes.end(), {"sparse", "sparse.ply"});
   return {.name = "trajectory",
           .about = "these poses laid into the world; frames without one between their neighbours",
           .code = CodeHere(),
           .make = MakeFreeTrajectory,
-          .publishes = std::move(publishes),
+          .publishes = PosesAndPointsOutputs(),
           .publish = PublishFreeTrajectory,
           .report = ReportFreeTrajectory};
 }

@@ -2,9 +2,7 @@
 
 #include "pipeline/code_identity.h"
 #include "scale/metric_models.h"
-#include "workflows/stages/sparse_output.h"
 #include "workflows/stages/trajectory.h"
-#include "workflows/stages/trajectory_output.h"
 
 namespace rigmap {
 namespace {
@@ -22,9 +20,7 @@ AdjustedPart MakeMapped(const StageContext&, const Dataset& dataset, const Odome
 void PublishMapped(Publication& publication, const StageContext&, const AdjustedPart& part,
                    const Dataset& dataset, const Odometry&, const KeyframeGraph&,
                    const MeasuredModels&, const AlignedKeyframes&) {
-  PublishSparse(MakeSparseOutput(dataset, part.adjustment, part.world_from_gauge), dataset,
-                publication);
-  PublishTrajectory(part.adjustment.rig, part.trajectory, publication);
+  PublishPosesAndPoints(part, dataset, publication);
 }
 
 Report ReportMapped(const AdjustedPart& part, const Dataset&, const Odometry&, const KeyframeGraph&,
@@ -35,15 +31,13 @@ Report ReportMapped(const AdjustedPart& part, const Dataset&, const Odometry&, c
 }  // namespace
 
 MappedPartStage MappedTrajectory() {
-  std::vector<std::string> publishes = kTrajectoryOutputs;
-  publishes.insert(publishes.end(), {"sparse", "sparse.ply"});
   return {.name = "trajectory",
           .about =
               "COLMAP's poses times the baseline, frames between them by the odometry; no "
               "sigmas",
           .code = CodeHere(),
           .make = MakeMapped,
-          .publishes = std::move(publishes),
+          .publishes = PosesAndPointsOutputs(),
           .publish = PublishMapped,
           .report = ReportMapped};
 }

@@ -10,12 +10,7 @@ namespace {
 
 Odometry MakeOdometry(const StageContext&, const Dataset& dataset, const FeatureStore& features,
                       const OdometryOptions& options) {
-  Progress progress("odometry", dataset.frames.size());
-  const auto load = [&](int frame) {
-    progress.Set(static_cast<std::size_t>(frame) + 1);
-    return features.Get(frame);
-  };
-  return TrackFrames(features.frame_count(), load, dataset.rig, options);
+  return TrackAll(dataset, features, options, MatchBy::kDescriptors);
 }
 
 Report ReportOdometry(const Odometry& odometry, const Dataset&, const FeatureStore&) {
@@ -24,6 +19,16 @@ Report ReportOdometry(const Odometry& odometry, const Dataset&, const FeatureSto
 }
 
 }  // namespace
+
+Odometry TrackAll(const Dataset& dataset, const FeatureStore& features,
+                  const OdometryOptions& options, MatchBy match_by) {
+  Progress progress("odometry", dataset.frames.size());
+  const auto load = [&](int frame) {
+    progress.Set(static_cast<std::size_t>(frame) + 1);
+    return features.Get(frame);
+  };
+  return TrackFrames(features.frame_count(), load, dataset.rig, options, match_by);
+}
 
 OdometryStage VisualOdometry() {
   return {

@@ -11,4 +11,8 @@ namespace rigmap {
 using OdometryStage = Stage<Odometry, Takes<Dataset, FeatureStore>, Reads<OdometryOptions>>;
 OdometryStage VisualOdometry();
 
+// Poses all frames of the store.
+Odometry TrackAll(const Dataset& dataset, const FeatureStore& features,
+                  const OdometryOptions& options, MatchBy match_by);
+
 }  // namespace rigmap

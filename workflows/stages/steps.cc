@@ -12,21 +12,21 @@ namespace {
 // A pose for every frame where these are known, laid on the final trajectory's first posed frame.
 Trajectory Assemble(const Odometry& odometry, std::vector<std::optional<Rigid3>> known,
                     const Trajectory& final_trajectory) {
+  const int first = FirstPosedFrame(odometry);
   Adjustment poses;
   poses.world_from_left = std::move(known);
-  const int first = FirstPosedFrame(odometry);
   poses.datum_frames.assign(odometry.size(), first);
-  const Trajectory loose = AssembleTrajectory(odometry, poses, Rigid3());
-  return AssembleTrajectory(
-      odometry, poses,
-      final_trajectory[first].world_from_left * loose[first].world_from_left.Inverse());
+  const Rigid3 gauge_from_first =
+      poses.world_from_left[first].value_or(odometry[first].world_from_left);
+  return AssembleTrajectory(odometry, poses,
+                            final_trajectory[first].world_from_left * gauge_from_first.Inverse());
 }
 
 Steps MakeSteps(const StageContext&, const Odometry& odometry, const KeyframeGraph& graph,
                 const AlignedKeyframes& aligned, const AdjustedPart& part) {
   const std::size_t count = odometry.size();
-  Steps steps{
-      {"odometry", Assemble(odometry, std::vector<std::optional<Rigid3>>(count), part.trajectory)}};
+  Steps steps{{kStepNames[0],
+               Assemble(odometry, std::vector<std::optional<Rigid3>>(count), part.trajectory)}};
   if (!aligned.models.empty()) {
     steps.push_back(
         {kStepNames[1], Assemble(odometry, PosesByFrame(aligned, graph, count), part.trajectory)});

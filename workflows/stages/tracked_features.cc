@@ -3,7 +3,6 @@
 #include "core/artefact.h"
 #include "core/progress.h"
 #include "core/statistics.h"
-#include "odometry/track_frames.h"
 #include "pipeline/code_identity.h"
 
 namespace rigmap {
@@ -20,48 +19,38 @@ std::vector<FrameFile> FilesOf(const Dataset& dataset, const DatasetContent& con
   return files;
 }
 
-// What is known of all frames, from what is kept of each.
-FeatureIndex IndexOf(const StageContext& context, std::vector<FrameFile> files) {
-  FeatureIndex index{.files = std::move(files)};
-  for (std::size_t i = 0; i < index.files.size(); ++i) {
-    const FrameFile& file = index.files[i];
-    const auto frame = ReadArtefact<FrameFeatures>(file.In(context.root), file.key).value();
-    if (!frame.epipolar_errors_px.empty()) {
-      index.epipolar_px.push_back(MedianAbsolute(frame.epipolar_errors_px));
-    }
-    if (frame.unreadable_images.empty()) continue;
-    index.unreadable_frames.push_back(static_cast<int>(i));
-    index.unreadable_images.insert(index.unreadable_images.end(), frame.unreadable_images.begin(),
-                                   frame.unreadable_images.end());
+void Add(int frame, const FrameFeatures& features, FeatureIndex& index) {
+  if (!features.epipolar_errors_px.empty()) {
+    index.epipolar_px.push_back(MedianAbsolute(features.epipolar_errors_px));
   }
-  return index;
+  if (features.unreadable_images.empty()) return;
+  index.unreadable_frames.push_back(frame);
+  index.unreadable_images.insert(index.unreadable_images.end(), features.unreadable_images.begin(),
+                                 features.unreadable_images.end());
 }
 
 FeatureIndex MakeTracked(const StageContext& context, const Dataset& dataset,
                          const DatasetContent& content, const CornerOptions& corners,
                          const FeatureOptions& options, const MaskOptions& masks) {
-  const std::vector<FrameFile> files =
-      FilesOf(dataset, content,
-              std::string(CodeHere()) + content.rig + OptionsText(corners) + OptionsText(options) +
-                  OptionsText(masks));
+  FeatureIndex index;
+  index.files = FilesOf(dataset, content,
+                        std::string(CodeHere()) + content.rig + OptionsText(corners) +
+                            OptionsText(options) + OptionsText(masks));
   CornerTracker tracker(MakeFeatureSetup(dataset.rig, options, masks), corners);
   Progress progress("features", dataset.frames.size());
   for (std::size_t i = 0; i < dataset.frames.size(); ++i) {
-    WriteArtefact(files[i].In(context.root), files[i].key, tracker.Next(dataset.frames[i]));
+    const FrameFeatures features = tracker.Next(dataset.frames[i]);
+    WriteArtefact(index.files[i].In(context.root), index.files[i].key, features);
+    Add(static_cast<int>(i), features, index);
     progress.Advance();
   }
-  ForgetOlderFrames(context.root, files);
-  return IndexOf(context, files);
+  ForgetOlderFrames(context.root, index.files);
+  return index;
 }
 
 Odometry MakeTrackedOdometry(const StageContext&, const Dataset& dataset,
                              const FeatureStore& features, const OdometryOptions& options) {
-  Progress progress("odometry", dataset.frames.size());
-  const auto load = [&](int frame) {
-    progress.Set(static_cast<std::size_t>(frame) + 1);
-    return features.Get(frame);
-  };
-  return TrackFrames(features.frame_count(), load, dataset.rig, options, MatchBy::kTracks);
+  return TrackAll(dataset, features, options, MatchBy::kTracks);
 }
 
 }  // namespace
