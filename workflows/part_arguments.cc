@@ -29,6 +29,19 @@ std::pair<int, int> ParseFrames(const std::string& text) {
   return {first, end};
 }
 
+// How frames are reconstructed, and how good the result has to be.
+void AddHow(CLI::App* command, PartArguments& a) {
+  command->add_option("--config", a.config, "YAML file of options (rigmap options lists all)");
+  command->add_option("--set", a.assignments, "stage.option=value, over --config");
+  command->add_option(
+      "--accuracy", a.accuracy_pct,
+      "Per cent of the path that scale and positions must be good to (95 %); default 1");
+  command->add_option("--threads", a.threads, "Threads; default: one per core");
+  command->add_option("--memory", a.memory_mb, "Megabytes that dense matching may use");
+  command->add_option("--truth", a.truth, "TUM file, or folder with trajectory.tum");
+  command->add_flag("--quiet", a.quiet, "No progress, errors only");
+}
+
 // What a part is made from and how good it has to be: of all commands that reconstruct one.
 CLI::Option* AddPartInputs(CLI::App* part, PartArguments& a) {
   CLI::Option* dataset =
@@ -38,16 +51,20 @@ CLI::Option* AddPartInputs(CLI::App* part, PartArguments& a) {
   part->add_option("--rig", a.rig, "Rig file, instead of the one beside the data");
   part->add_option("--format", a.format, "katwijk or stereo, instead of what is recognised");
   part->add_option("--frames", a.frames, "FIRST:END of the paired frames, END excluded");
-  part->add_option("--config", a.config, "YAML file of options (rigmap options lists all)");
-  part->add_option("--set", a.assignments, "stage.option=value, over --config");
-  part->add_option(
-      "--accuracy", a.accuracy_pct,
-      "Per cent of the path that scale and positions must be good to (95 %); default 1");
-  part->add_option("--threads", a.threads, "Threads; default: one per core");
-  part->add_option("--memory", a.memory_mb, "Megabytes that dense matching may use");
-  part->add_option("--truth", a.truth, "TUM file, or folder with trajectory.tum");
-  part->add_flag("--quiet", a.quiet, "No progress, errors only");
+  AddHow(part, a);
   return dataset;
+}
+
+// Where the results go, and how much is done.
+void AddWhere(CLI::App* command, PartArguments& a) {
+  command->add_option("--out", a.out, "Folder for the results")->required();
+  command->add_option("--until", a.until, "Do no more than this stage and what it depends on");
+  command->add_option("--from", a.from, "Do this stage and those that depend on it anew");
+  command->add_flag("--force", a.force, "Remove an earlier result from the output folder first");
+  command->add_flag(
+      "--depth-maps", a.depth_maps,
+      "Write each keyframe's depth and its sigma as images, and a workspace for COLMAP's "
+      "fusion and meshing (dense.depth_maps)");
 }
 
 // The place of a stage in the technique's order.
@@ -69,29 +86,9 @@ void RequireStages(const PartArguments& a, Technique technique) {
   }
 }
 
-}  // namespace
-
-void AddPart(CLI::App& app, PartArguments& a) {
-  CLI::App* part = app.add_subcommand("part", "Reconstruct one part of a traverse");
-  AddPartInputs(part, a)->required();
-  part->add_option("--out", a.out, "Folder for the results")->required();
-  part->add_option("--technique", a.technique,
-                   "How the part is reconstructed: rig (default), or another for comparison "
-                   "(docs/techniques.md)");
-  part->add_option("--until", a.until, "Do no more than this stage and what it depends on");
-  part->add_option("--from", a.from, "Do this stage and those that depend on it anew");
-  part->add_flag("--force", a.force, "Remove an earlier result from the output folder first");
-  part->add_flag(
-      "--depth-maps", a.depth_maps,
-      "Write each keyframe's depth and its sigma as images, and a workspace for COLMAP's "
-      "fusion and meshing (dense.depth_maps)");
-  part->footer(PartOptionsHelp);
-}
-
-PartRequest MakeRequest(const PartArguments& a, std::string command) {
+// All but what depends on the technique.
+PartRequest MakeRequestWithoutStages(const PartArguments& a, std::string command) {
   PartRequest request;
-  request.technique = ParseTechnique(a.technique);
-  RequireStages(a, request.technique);
   request.dataset.folder = a.dataset;
   request.dataset.traverse = a.traverse;
   request.dataset.part = a.part;
@@ -125,6 +122,46 @@ PartRequest MakeRequest(const PartArguments& a, std::string command) {
   request.quiet = a.quiet;
   request.command = std::move(command);
   return request;
+}
+
+}  // namespace
+
+void AddPart(CLI::App& app, PartArguments& a) {
+  CLI::App* part = app.add_subcommand("part", "Reconstruct one part of a traverse");
+  AddPartInputs(part, a)->required();
+  part->add_option("--technique", a.technique,
+                   "How the part is reconstructed: rig (default), or another for comparison "
+                   "(docs/techniques.md)");
+  AddWhere(part, a);
+  part->footer(PartOptionsHelp);
+}
+
+PartRequest MakeRequest(const PartArguments& a, std::string command) {
+  const Technique technique = ParseTechnique(a.technique);
+  RequireStages(a, technique);
+  PartRequest request = MakeRequestWithoutStages(a, std::move(command));
+  request.technique = technique;
+  return request;
+}
+
+JoinRequest MakeJoinRequest(const JoinArguments& a, std::string command) {
+  JoinRequest request;
+  request.outs.assign(a.outs.begin(), a.outs.end());
+  PartArguments whole = a.whole;
+  const fs::path options = request.outs.front() / "config.yaml";
+  if (whole.config.empty() && fs::exists(options)) whole.config = options.string();
+  request.whole = MakeRequestWithoutStages(whole, std::move(command));
+  return request;
+}
+
+CLI::App* AddJoin(CLI::App& app, JoinArguments& a) {
+  CLI::App* join =
+      app.add_subcommand("join", "Put the parts of one drive together: one trajectory, one map");
+  join->add_option("outs", a.outs, "Folders that rigmap part has left")->required();
+  AddHow(join, a.whole);
+  AddWhere(join, a.whole);
+  join->footer(PartOptionsHelp);
+  return join;
 }
 
 CLI::App* AddCompare(CLI::App& app, CompareArguments& a) {

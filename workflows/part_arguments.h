@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "workflows/compare.h"
+#include "workflows/join.h"
 #include "workflows/part_request.h"
 
 namespace rigmap {
@@ -37,6 +38,16 @@ struct CompareArguments {
 CLI::App* AddCompare(CLI::App& app, CompareArguments& arguments);
 // As MakeRequest.
 CompareRequest MakeCompareRequest(const CompareArguments& arguments, const std::string& command);
+
+struct JoinArguments {
+  PartArguments whole;
+  std::vector<std::string> outs;
+};
+
+// The subcommand `join`.
+CLI::App* AddJoin(CLI::App& app, JoinArguments& arguments);
+// As MakeRequest. Without --config the first part's options apply.
+JoinRequest MakeJoinRequest(const JoinArguments& arguments, std::string command);
 
 template <class Value>
 std::optional<Value> IfGiven(const std::string& text) {

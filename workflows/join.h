@@ -1,0 +1,23 @@
+// `rigmap join`: parts of one drive become one trajectory and one map.
+#pragma once
+
+#include <filesystem>
+#include <vector>
+
+#include "workflows/part_request.h"
+#include "workflows/reconstruct_part.h"
+
+namespace rigmap {
+
+struct JoinRequest {
+  std::vector<std::filesystem::path> outs;  // folders that rigmap part has left, in any order
+  PartRequest whole;                        // its dataset and technique are not used
+};
+
+// Leaves in whole.out what a part's folder holds, of all parts as one. Throws UsageError and
+// DataError, before anything is written, where a folder holds no part that can be joined, where
+// parts were given different rigs or made with different options, and where they disagree about a
+// frame that they share.
+PartResult JoinParts(const JoinRequest& request);
+
+}  // namespace rigmap
