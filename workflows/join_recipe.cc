@@ -15,6 +15,9 @@ AlignedKeyframes NoMapping(const StageContext&, const Odometry&) { return {}; }
 
 std::string KeyOf(const JoinedParts& parts) {
   std::string text(parts.keyframes.begin(), parts.keyframes.end());
+  for (const auto& part : parts.parts) text += part.name;
+  for (const std::string& sentence : parts.missing) text += sentence;
+  for (const int part : parts.first_part) text += std::to_string(part);
   for (const FrameFile& file : parts.features) text += file.name + file.key;
   return HashText(text);
 }
@@ -54,6 +57,7 @@ StageGraph JoinRecipe(const Dataset& data, const DatasetContent& data_content,
       g.AddCheck(AdjustedGates(),
                  Reading(o.gates.mapping, o.gates.poses, o.gates.adjustment, o.gates.calibration),
                  dataset, found, aligned, adjusted);
+  g.AddCheck(JoinGates(), Reading(), parts, adjusted);
   const auto posed = g.AddView(PosedByAdjustment, dataset, adjusted);
   const auto steps = g.AddStage(TrajectorySteps(), Reading(), odometry, graph, aligned, adjusted);
 
@@ -65,5 +69,7 @@ StageGraph JoinRecipe(const Dataset& data, const DatasetContent& data_content,
   AddMapProducts(g, o, in, depth_gates, map);
   return g;
 }
+
+std::vector<std::string> JoinStageNames() { return JoinRecipe({}, {}, {}, {}, {}).StageNames(); }
 
 }  // namespace rigmap

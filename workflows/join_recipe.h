@@ -1,6 +1,9 @@
 // The recipe of `rigmap join`.
 #pragma once
 
+#include <string>
+#include <vector>
+
 #include "workflows/part_options.h"
 #include "workflows/stages/inputs.h"
 #include "workflows/stages/joined_parts.h"
@@ -13,5 +16,8 @@ namespace rigmap {
 StageGraph JoinRecipe(const Dataset& dataset, const DatasetContent& content,
                       const JoinedParts& parts, const KnownDepths& depths,
                       const PartOptions& options);
+
+// In order.
+std::vector<std::string> JoinStageNames();
 
 }  // namespace rigmap

@@ -1,4 +1,4 @@
-// The command line: rigmap part, evaluate, calibrate, compare, options, stages.
+// The command line: rigmap part, run, plan, join, evaluate, calibrate, compare, options, stages.
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -62,6 +62,10 @@ int RunPart(const PartArguments& arguments, std::string command) {
   return SayHowItEnded(ReconstructPart(MakeRequest(arguments, std::move(command))), arguments);
 }
 
+int RunWhole(const RunArguments& arguments, std::string command) {
+  return SayHowItEnded(RunTraverse(MakeRunRequest(arguments, std::move(command))), arguments.part);
+}
+
 int RunJoin(const JoinArguments& arguments, std::string command) {
   return SayHowItEnded(JoinParts(MakeJoinRequest(arguments, std::move(command))), arguments.whole);
 }
@@ -72,6 +76,9 @@ int Main(int argc, char** argv) {
   app.require_subcommand(1);
   PartArguments part;
   AddPart(app, part);
+  RunArguments run, plan;
+  CLI::App* running = AddRun(app, run);
+  CLI::App* planning = AddPlan(app, plan);
   JoinArguments join;
   CLI::App* joining = AddJoin(app, join);
   EvaluateRequest evaluate;
@@ -125,6 +132,11 @@ int Main(int argc, char** argv) {
     fmt::print("{}", PrintStages(ParseTechnique(technique)));
     return 0;
   }
+  if (planning->parsed()) {
+    fmt::print("{}", PrintPlan(plan));
+    return 0;
+  }
+  if (running->parsed()) return RunWhole(run, std::move(command));
   if (joining->parsed()) return RunJoin(join, std::move(command));
   return RunPart(part, std::move(command));
 }

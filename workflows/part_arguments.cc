@@ -5,10 +5,13 @@
 #include <algorithm>
 #include <charconv>
 #include <filesystem>
+#include <nlohmann/json.hpp>
 #include <thread>
 
 #include "core/config_file.h"
 #include "core/error.h"
+#include "core/job.h"
+#include "workflows/join_recipe.h"
 #include "workflows/print_options.h"
 
 namespace rigmap {
@@ -67,9 +70,16 @@ void AddWhere(CLI::App* command, PartArguments& a) {
       "fusion and meshing (dense.depth_maps)");
 }
 
+// How a traverse is cut into jobs.
+void AddCuts(CLI::App* command, RunArguments& a) {
+  command->add_option("--split", a.split, "Cut the traverse into so many jobs");
+  command->add_option("--max-frames", a.max_frames, "Cut it into jobs of at most so many pairs");
+  command->add_option("--overlap", a.overlap, "Pairs that jobs cut from one part share");
+}
+
 // The place of a stage in the technique's order.
-std::ptrdiff_t IndexOfStage(const char* option, const std::string& name, Technique technique) {
-  const auto names = StageNames(technique);
+std::ptrdiff_t IndexOfStage(const char* option, const std::string& name,
+                            const std::vector<std::string>& names) {
   const auto found = std::ranges::find(names, name);
   if (found == names.end()) {
     throw UsageError(
@@ -78,9 +88,9 @@ std::ptrdiff_t IndexOfStage(const char* option, const std::string& name, Techniq
   return found - names.begin();
 }
 
-void RequireStages(const PartArguments& a, Technique technique) {
-  const auto until = a.until.empty() ? 0 : IndexOfStage("--until", a.until, technique);
-  const auto from = a.from.empty() ? 0 : IndexOfStage("--from", a.from, technique);
+void RequireStages(const PartArguments& a, const std::vector<std::string>& stages) {
+  const auto until = a.until.empty() ? 0 : IndexOfStage("--until", a.until, stages);
+  const auto from = a.from.empty() ? 0 : IndexOfStage("--from", a.from, stages);
   if (!a.until.empty() && !a.from.empty() && until < from) {
     throw UsageError(fmt::format("--from {}: comes after --until {}", a.from, a.until));
   }
@@ -138,7 +148,7 @@ void AddPart(CLI::App& app, PartArguments& a) {
 
 PartRequest MakeRequest(const PartArguments& a, std::string command) {
   const Technique technique = ParseTechnique(a.technique);
-  RequireStages(a, technique);
+  RequireStages(a, StageNames(technique));
   PartRequest request = MakeRequestWithoutStages(a, std::move(command));
   request.technique = technique;
   return request;
@@ -151,6 +161,8 @@ JoinRequest MakeJoinRequest(const JoinArguments& a, std::string command) {
   const fs::path options = request.outs.front() / "config.yaml";
   if (whole.config.empty() && fs::exists(options)) whole.config = options.string();
   request.whole = MakeRequestWithoutStages(whole, std::move(command));
+  const auto stages = JoinStageNames();
+  RequireStages(whole, stages);
   return request;
 }
 
@@ -162,6 +174,55 @@ CLI::App* AddJoin(CLI::App& app, JoinArguments& a) {
   AddWhere(join, a.whole);
   join->footer(PartOptionsHelp);
   return join;
+}
+
+CLI::App* AddRun(CLI::App& app, RunArguments& a) {
+  CLI::App* run = app.add_subcommand(
+      "run", "Reconstruct a whole traverse: its parts, and the parts joined into one world");
+  AddPartInputs(run, a.part)->required();
+  AddCuts(run, a);
+  AddWhere(run, a.part);
+  run->footer(PartOptionsHelp);
+  return run;
+}
+
+CLI::App* AddPlan(CLI::App& app, RunArguments& a) {
+  CLI::App* plan = app.add_subcommand(
+      "plan", "Look a data set over, and print the jobs that `run` would make of it");
+  AddPartInputs(plan, a.part)->required();
+  AddCuts(plan, a);
+  plan->add_flag("--sbatch", a.sbatch, "Print a script for sbatch instead of JSON");
+  plan->footer(PartOptionsHelp);
+  return plan;
+}
+
+RunRequest MakeRunRequest(const RunArguments& a, std::string command) {
+  RunRequest request;
+  request.part = MakeRequestWithoutStages(a.part, std::move(command));
+  request.plan = {request.part.dataset,  a.split, a.max_frames, a.overlap, request.part.threads,
+                  request.part.memory_mb};
+  for (const auto& [option, count] :
+       {std::pair("--split", a.split), {"--max-frames", a.max_frames}}) {
+    if (count && *count < 1) {
+      throw UsageError(fmt::format("{}: expected 1 or more, found {}", option, *count));
+    }
+  }
+  return request;
+}
+
+std::string PrintPlan(const RunArguments& a) {
+  const RunRequest request = MakeRunRequest(a, "");
+  Job job(request.part.threads, request.part.quiet);
+  const TraversePlan plan = job.Run([&] { return PlanTraverse(request.plan); });
+  if (!a.sbatch) return ToJson(plan, request.plan).dump(1) + "\n";
+  std::vector<std::string> more;
+  if (!a.part.config.empty()) {
+    more.insert(more.end(), {"--config", fs::absolute(a.part.config).string()});
+  }
+  for (const std::string& assignment : a.part.assignments) {
+    more.insert(more.end(), {"--set", assignment});
+  }
+  return WriteSbatch(plan, request.plan, more);
 }
 
 CLI::App* AddCompare(CLI::App& app, CompareArguments& a) {

@@ -31,6 +31,8 @@ Report Blank() {
             {"gyro_bias_radps", nullptr},
             {"slips", Report::array()},
             {"visual_steps_refused", Report::array()}}},
+          {"parts", Report::array()},
+          {"worlds", Report::array()},
           {"mapping", {{"method", nullptr}, {"remarks", Report::array()}}},
           {"scale",
            {{"metres_per_model_unit", nullptr},

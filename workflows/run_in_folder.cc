@@ -91,7 +91,7 @@ PartResult RunInFolder(const FolderRun& run, Dataset dataset, Job& job) {
   const fs::path root = fs::absolute(request.out);
   RequireInputElsewhere(root, dataset);
   const KnownInput input(std::move(dataset), HashesPath(root));
-  const FolderMark mark = MarkOf(input.dataset, input.content);
+  const FolderMark mark = run.mark.value_or(MarkOf(input.dataset, input.content));
   RequireOwnOutput(root, mark, request.force);
   const OutputLock lock(root);
   RequireUnlocked(ColmapFolder{root}.Database());

@@ -109,7 +109,8 @@ class Uniter {
     const OpenedPart& part = parts_[f.part];
     const int index = static_cast<int>(result_.dataset.frames.size());
     result_.dataset.frames.push_back(part.Stereo()[f.frame]);
-    contents_.push_back(ContentOf(f));
+    result_.contents.push_back(ContentOf(f));
+    result_.parts.first_part.push_back(f.part);
     result_.parts.features.push_back(FromOut(part, part.frames.features.files[f.frame]));
     result_.parts.keyframes.push_back(part.odometry[f.frame].keyframe ? 1 : 0);
     if (std::ranges::binary_search(part.frames.features.unreadable_frames, f.frame)) {
@@ -122,7 +123,7 @@ class Uniter {
   // The frame before it, which an earlier part has as well.
   void AddAgain(const PartFrame& f) {
     const OpenedPart& part = parts_[f.part];
-    if (ContentOf(f) != contents_.back()) {
+    if (ContentOf(f) != result_.contents.back()) {
       throw DataError(fmt::format("{}: expected {} as other parts have it, found another image",
                                   part.root.string(), part.Stereo()[f.frame].left_path));
     }
@@ -174,12 +175,22 @@ class Uniter {
 
   const std::vector<OpenedPart>& parts_;
   fs::path out_;
-  std::vector<PartFrame> frames_;      // of all parts, in order of time
-  std::vector<std::string> contents_;  // of the frames of the result
+  std::vector<PartFrame> frames_;  // of all parts, in order of time
   UnionOfParts result_;
 };
 
 }  // namespace
+
+FolderMark UnionOfParts::Mark() const {
+  DatasetContent content;
+  content.frames = contents;
+  return MarkOf(dataset, content);
+}
+
+std::string PartName(const fs::path& out) {
+  const fs::path whole = fs::weakly_canonical(out);
+  return whole.has_filename() ? whole.filename().string() : whole.parent_path().filename().string();
+}
 
 UnionOfParts UniteParts(const std::vector<fs::path>& outs, const fs::path& out) {
   if (outs.empty()) throw UsageError("join: expected folders with parts, found none");

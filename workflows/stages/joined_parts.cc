@@ -1,7 +1,11 @@
 #include "workflows/stages/joined_parts.h"
 
-#include <algorithm>
+#include <fmt/format.h>
 
+#include <algorithm>
+#include <map>
+
+#include "core/disjoint_sets.h"
 #include "pipeline/code_identity.h"
 
 namespace rigmap {
@@ -41,7 +45,77 @@ Report ReportOdometry(const Odometry& odometry, const Dataset&, const FeatureSto
       {"frames", {{"keyframes", std::ranges::count(odometry, true, &OdometryFrame::keyframe)}}}};
 }
 
+// Parts whose frames hang together by measured motion; the world with most frames first.
+std::vector<std::vector<int>> WorldsOf(const JoinedParts& parts, const AdjustedPart& whole) {
+  DisjointSets frames(whole.odometry.size());
+  const auto join = [&](int a, int b) {
+    const int root = frames.Root(a), other = frames.Root(b);
+    if (root != other) frames.Unite(root, other);
+  };
+  for (int i = 0; i < std::ssize(whole.odometry); ++i) {
+    const OdometryFrame& frame = whole.odometry[i];
+    if (whole.adjustment.world_from_left[i]) join(i, whole.adjustment.datum_frames[i]);
+    if (frame.source != PoseSource::kPredicted) join(i, frame.reference);
+  }
+  // A part lies where most of its frames do.
+  std::map<int, int> frame_counts;  // of each world
+  std::vector<std::map<int, int>> of_parts(parts.parts.size());
+  for (int i = 0; i < std::ssize(parts.first_part); ++i) {
+    ++frame_counts[frames.Root(i)];
+    ++of_parts[parts.first_part[i]][frames.Root(i)];
+  }
+  std::map<int, std::vector<int>> worlds;
+  for (std::size_t p = 0; p < of_parts.size(); ++p) {
+    // All frames of a part may be others' as well.
+    if (of_parts[p].empty()) continue;
+    const auto main =
+        std::ranges::max_element(of_parts[p], {}, [](const auto& entry) { return entry.second; });
+    worlds[main->first].push_back(static_cast<int>(p));
+  }
+  std::vector<std::pair<int, std::vector<int>>> ranked;
+  for (auto& [root, members] : worlds) ranked.emplace_back(-frame_counts[root], members);
+  std::ranges::stable_sort(ranked, {}, [](const auto& entry) { return entry.first; });
+  std::vector<std::vector<int>> sorted;
+  for (auto& [count, members] : ranked) sorted.push_back(std::move(members));
+  return sorted;
+}
+
+Report JudgeJoin(const JoinedParts& parts, const AdjustedPart& whole) {
+  Report worlds = Report::array();
+  std::vector<std::string> groups;
+  for (const auto& world : WorldsOf(parts, whole)) {
+    std::vector<std::string> names;
+    for (const int part : world) names.push_back(parts.parts[part].name);
+    groups.push_back(fmt::format("{}", fmt::join(names, ", ")));
+    worlds.push_back(names);
+  }
+  const auto gate = [](const char* name, std::size_t value, std::size_t limit, std::string why) {
+    return Report{{"name", name},
+                  {"value", value},
+                  {"limit", limit},
+                  {"passed", value <= limit},
+                  {"why", std::move(why)}};
+  };
+  return {
+      {"worlds", worlds},
+      {"gates",
+       {gate("worlds", groups.size(), 1,
+             groups.size() > 1 ? fmt::format("nothing measured ties these parts to each other: {}",
+                                             fmt::join(groups, " | "))
+                               : "every part is tied to the others by what was measured"),
+        gate("parts_missing", parts.missing.size(), 0,
+             parts.missing.empty() ? "all parts are joined"
+                                   : fmt::format("{}", fmt::join(parts.missing, "; ")))}}};
+}
+
 }  // namespace
+
+JoinGatesCheck JoinGates() {
+  return {.name = "join_gates",
+          .code = CodeHere(),
+          .make = JudgeJoin,
+          .about = "whether all parts are there, and tied to each other"};
+}
 
 JoinedFeaturesStage JoinedFeatures() {
   return {.name = "features",

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "workflows/stages/adjusted_part.h"
 #include "workflows/stages/dense.h"
 #include "workflows/stages/features.h"
 #include "workflows/stages/odometry.h"
@@ -19,8 +20,10 @@ struct JoinedParts {
     int shared = 0;      // of these with parts before it
     std::string status;  // of its summary.json; empty: none
   };
-  std::vector<Part> parts;  // in order of their first frame
-  // Of each frame, by the first part that has it.
+  std::vector<Part> parts;           // in order of their first frame
+  std::vector<std::string> missing;  // a sentence for each part that is not among them
+  std::vector<int> first_part;       // of each frame, the first part that has it
+  // Of each frame, by that part.
   std::vector<FrameFile> features;  // relative to the output folder of the whole
   std::vector<char> keyframes;      // not 0 where any part chose it
   std::vector<float> epipolar_px;   // FeatureIndex::epipolar_px of all parts
@@ -38,6 +41,11 @@ JoinedFeaturesStage JoinedFeatures();
 using JoinedOdometryStage =
     Stage<Odometry, Takes<Dataset, FeatureStore, JoinedParts>, Reads<OdometryOptions>>;
 JoinedOdometryStage JoinedOdometry();
+
+// Whether all parts are there, and tied to each other by what was measured. Reports `worlds` as
+// well: the names of the parts that are, the world with most frames first.
+using JoinGatesCheck = Check<Takes<JoinedParts, AdjustedPart>, Reads<>>;
+JoinGatesCheck JoinGates();
 
 Report ReportParts(const JoinedParts& parts);
 
