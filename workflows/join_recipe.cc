@@ -1,8 +1,11 @@
 #include "workflows/join_recipe.h"
 
+#include <fmt/format.h>
+
 #include "workflows/stages/adjustment.h"
 #include "workflows/stages/gates.h"
 #include "workflows/stages/matching.h"
+#include "workflows/stages/pose_graph.h"
 #include "workflows/surface_recipe.h"
 
 namespace rigmap {
@@ -15,7 +18,13 @@ AlignedKeyframes NoMapping(const StageContext&, const Odometry&) { return {}; }
 
 std::string KeyOf(const JoinedParts& parts) {
   std::string text(parts.keyframes.begin(), parts.keyframes.end());
-  for (const auto& part : parts.parts) text += part.name;
+  for (const auto& part : parts.parts) {
+    text += part.name + part.status;
+    for (const auto& [frame, pose] : part.world_from_left) {
+      text += fmt::format(" {} {} {} {}", frame, pose.translation.x(), pose.translation.y(),
+                          pose.translation.z());
+    }
+  }
   for (const std::string& sentence : parts.missing) text += sentence;
   for (const int part : parts.first_part) text += std::to_string(part);
   for (const FrameFile& file : parts.features) text += file.name + file.key;
@@ -59,7 +68,8 @@ StageGraph JoinRecipe(const Dataset& data, const DatasetContent& data_content,
                  dataset, found, aligned, adjusted);
   g.AddCheck(JoinGates(), Reading(), parts, adjusted);
   const auto posed = g.AddView(PosedByAdjustment, dataset, adjusted);
-  const auto steps = g.AddStage(TrajectorySteps(), Reading(), odometry, graph, aligned, adjusted);
+  g.AddStage(PartPoseGraph(), Reading(), matches, adjusted);
+  const auto steps = g.AddStage(JoinedSteps(), Reading(), odometry, adjusted, parts);
 
   const SurfaceInputs in{dataset, content, truth, found, posed, gates, steps};
   const auto depths = g.AddStage(JoinedDepths(), Reading(o.dense, o.masks, o.voxel), dataset,

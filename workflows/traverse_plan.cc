@@ -31,7 +31,7 @@ void FindGaps(const std::vector<StereoFrame>& frames, PartData& findings) {
   }
 }
 
-PartData LookOver(const Dataset& dataset, std::string name) {
+PartData Examine(const Dataset& dataset, std::string name) {
   const Camera& camera = dataset.rig.left.camera;
   const DatasetHealth& health = dataset.health;
   PartData findings{
@@ -137,7 +137,7 @@ TraversePlan PlanTraverse(const PlanRequest& request) {
   TraversePlan plan;
   const std::vector<DatasetRequest> parts = PartsOf(request.dataset);
   for (const DatasetRequest& part : parts) {
-    plan.parts.push_back(LookOver(OpenDataset(part), PartName(part)));
+    plan.parts.push_back(Examine(OpenDataset(part), PartName(part)));
   }
   const std::vector<int> pieces = PiecesOf(plan.parts, request);
   for (std::size_t p = 0; p < parts.size(); ++p) {

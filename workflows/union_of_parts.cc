@@ -7,6 +7,7 @@
 
 #include "core/error.h"
 #include "core/file.h"
+#include "export/tum.h"
 
 namespace rigmap {
 namespace {
@@ -20,6 +21,7 @@ struct OpenedPart {
   Odometry odometry;
   std::optional<DepthIndex> depths;
   std::string status;
+  std::vector<TumPose> trajectory;  // empty: none
 
   const std::vector<StereoFrame>& Stereo() const { return frames.dataset.frames; }
   StampNs FirstStamp() const { return Stereo().front().stamp_ns; }
@@ -33,8 +35,13 @@ std::string StatusOf(const fs::path& root) {
 }
 
 OpenedPart Open(const fs::path& root) {
-  return {fs::weakly_canonical(root), ReadJoinableFrames(root), ReadJoinableOdometry(root),
-          ReadJoinableDepths(root), StatusOf(root)};
+  return {fs::weakly_canonical(root),
+          ReadJoinableFrames(root),
+          ReadJoinableOdometry(root),
+          ReadJoinableDepths(root),
+          StatusOf(root),
+          fs::exists(root / "trajectory.tum") ? ReadTum(root / "trajectory.tum")
+                                              : std::vector<TumPose>()};
 }
 
 void RequireAlike(const OpenedPart& first, const OpenedPart& other) {
@@ -74,6 +81,7 @@ class Uniter {
       is_new ? AddFrame(frames_[i]) : AddAgain(frames_[i]);
     }
     AddSensors();
+    AddTrajectories();
     return std::move(result_);
   }
 
@@ -141,6 +149,18 @@ class Uniter {
     const auto& file =
         part.depths->files[static_cast<std::size_t>(found - part.depths->frames.begin())];
     known = KnownDepths::Known{FromOut(part, file), part.depths->how};
+  }
+
+  void AddTrajectories() {
+    const auto& frames = result_.dataset.frames;
+    for (std::size_t p = 0; p < parts_.size(); ++p) {
+      for (const TumPose& pose : parts_[p].trajectory) {
+        const auto at = std::ranges::lower_bound(frames, pose.stamp_ns, {}, &StereoFrame::stamp_ns);
+        if (at == frames.end() || at->stamp_ns != pose.stamp_ns) continue;
+        result_.parts.parts[p].world_from_left.emplace_back(static_cast<int>(at - frames.begin()),
+                                                            pose.world_from_body);
+      }
+    }
   }
 
   // Parts cut from one drive repeat what was measured around their seams.

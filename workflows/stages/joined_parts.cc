@@ -80,6 +80,43 @@ std::vector<std::vector<int>> WorldsOf(const JoinedParts& parts, const AdjustedP
   return sorted;
 }
 
+// Where the part's world lies in that of the frames posed already.
+Rigid3 WorldFromPart(const JoinedParts::Part& part, const Odometry& odometry,
+                     const std::vector<std::optional<Rigid3>>& known) {
+  std::vector<Rigid3> by_shared;
+  for (const auto& [frame, own] : part.world_from_left) {
+    if (known[frame]) by_shared.push_back(*known[frame] * own.Inverse());
+  }
+  // Both know the middle of what they share better than its ends.
+  if (!by_shared.empty()) return by_shared[by_shared.size() / 2];
+  const auto& [first, own] = part.world_from_left.front();
+  int before = first;
+  while (before > 0 && !known[before]) --before;
+  const Rigid3 last = known[before] ? *known[before] : odometry[before].world_from_left;
+  return last * OdometricStep(odometry, before, first) * own.Inverse();
+}
+
+Steps MakeSteps(const StageContext&, const Odometry& odometry, const AdjustedPart& whole,
+                const JoinedParts& parts) {
+  std::vector<std::optional<Rigid3>> chained(odometry.size());
+  for (const JoinedParts::Part& part : parts.parts) {
+    if (part.world_from_left.empty()) continue;
+    const Rigid3 world_from_part = WorldFromPart(part, odometry, chained);
+    for (const auto& [frame, own] : part.world_from_left) {
+      if (!chained[frame]) chained[frame] = world_from_part * own;
+    }
+  }
+  const std::vector<std::optional<Rigid3>> none(odometry.size());
+  return {{kStepNames[0], AssembleStep(odometry, none, whole.trajectory)},
+          {kStepNames[2], AssembleStep(odometry, std::move(chained), whole.trajectory)},
+          {kStepNames[3], whole.trajectory}};
+}
+
+void PublishJoinedSteps(Publication& publication, const StageContext&, const Steps& steps,
+                        const Odometry&, const AdjustedPart&, const JoinedParts&) {
+  PublishSteps(publication, steps);
+}
+
 Report JudgeJoin(const JoinedParts& parts, const AdjustedPart& whole) {
   Report worlds = Report::array();
   std::vector<std::string> groups;
@@ -109,6 +146,17 @@ Report JudgeJoin(const JoinedParts& parts, const AdjustedPart& whole) {
 }
 
 }  // namespace
+
+JoinedStepsStage JoinedSteps() {
+  return {
+      .name = "steps",
+      .about =
+          "the trajectory after odometry, of the parts chained, and after the adjustment of all",
+      .code = CodeHere(),
+      .make = MakeSteps,
+      .publishes = {"steps"},
+      .publish = PublishJoinedSteps};
+}
 
 JoinGatesCheck JoinGates() {
   return {.name = "join_gates",

@@ -9,6 +9,7 @@
 #include "workflows/stages/dense.h"
 #include "workflows/stages/features.h"
 #include "workflows/stages/odometry.h"
+#include "workflows/stages/steps.h"
 
 namespace rigmap {
 
@@ -19,6 +20,8 @@ struct JoinedParts {
     int frames = 0;      // of its own
     int shared = 0;      // of these with parts before it
     std::string status;  // of its summary.json; empty: none
+    // Its own trajectory, in its own world, by frames of the whole; empty where it has none.
+    std::vector<std::pair<int, Rigid3>> world_from_left;
   };
   std::vector<Part> parts;           // in order of their first frame
   std::vector<std::string> missing;  // a sentence for each part that is not among them
@@ -41,6 +44,11 @@ JoinedFeaturesStage JoinedFeatures();
 using JoinedOdometryStage =
     Stage<Odometry, Takes<Dataset, FeatureStore, JoinedParts>, Reads<OdometryOptions>>;
 JoinedOdometryStage JoinedOdometry();
+
+// As TrajectorySteps, of the whole: after odometry, of the parts' own trajectories chained by the
+// frames that they share, or else by the odometry, and after the adjustment of all.
+using JoinedStepsStage = Stage<Steps, Takes<Odometry, AdjustedPart, JoinedParts>, Reads<>>;
+JoinedStepsStage JoinedSteps();
 
 // Whether all parts are there, and tied to each other by what was measured. Reports `worlds` as
 // well: the names of the parts that are, the world with most frames first.
