@@ -58,7 +58,8 @@ StageGraph JoinRecipe(const Dataset& data, const DatasetContent& data_content,
 
   const auto found = g.AddStage(JoinedFeatures(), Reading(), dataset, parts);
   const auto features = g.AddView(OpenFeatures, found);
-  const auto odometry = g.AddStage(JoinedOdometry(), Reading(o.odometry), dataset, features, parts);
+  const auto odometry = g.AddStage(
+      JoinedOdometry(), Reading(o.odometry, o.dead_reckoning, o.filter), dataset, features, parts);
   const auto matches = g.AddStage(Matching(), Reading(o.matching), dataset, features, odometry);
 
   const auto graph = g.AddView(NoGraph, odometry);

@@ -1,11 +1,13 @@
 #include "workflows/stages/joined_parts.h"
 
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <map>
 
 #include "core/disjoint_sets.h"
+#include "dead_reckoning/bridge_gaps.h"
 #include "pipeline/code_identity.h"
 
 namespace rigmap {
@@ -31,8 +33,14 @@ Report ReportFeatures(const FeatureIndex& index, const Dataset&, const JoinedPar
 }
 
 Odometry MakeOdometry(const StageContext&, const Dataset& dataset, const FeatureStore& features,
-                      const JoinedParts& parts, const OdometryOptions& options) {
-  Odometry odometry = TrackAll(dataset, features, options, MatchBy::kDescriptors);
+                      const JoinedParts& parts, const OdometryOptions& options,
+                      const DeadReckoningOptions& rover, const FilterOptions& filter) {
+  auto [odometry, bridged] = BridgeGaps(
+      dataset, TrackAll(dataset, features, options, MatchBy::kDescriptors), rover, filter);
+  if (!bridged.empty()) {
+    spdlog::warn("{} frames are posed by wheels and gyro: the images lost their way",
+                 bridged.size());
+  }
   for (std::size_t i = 0; i < odometry.size(); ++i) {
     odometry[i].keyframe = parts.keyframes[i] != 0;
   }
