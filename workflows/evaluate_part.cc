@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "core/error.h"
@@ -28,19 +29,43 @@ void RequireMatch(const nlohmann::ordered_json& metrics, const std::filesystem::
       metrics["frames"].get<int>(), 100.0 * coverage));
 }
 
+bool IsJoined(const std::filesystem::path& out) {
+  const auto path = out / "summary.json";
+  if (!std::filesystem::exists(path)) return false;
+  const auto summary = nlohmann::json::parse(ReadTextFile(path), nullptr, false);
+  return summary.is_object() && summary.value("technique", "") == "join";
+}
+
+// Those that stand in every result in their order, then those of parts.
+std::vector<std::filesystem::path> StepFiles(const std::filesystem::path& out) {
+  const auto folder = out / "steps";
+  std::vector<std::filesystem::path> files, of_parts;
+  for (const char* step : kStepNames) {
+    auto tum = folder / fmt::format("{}.tum", step);
+    if (std::filesystem::exists(tum)) files.push_back(std::move(tum));
+  }
+  if (!std::filesystem::exists(folder)) return files;
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    if (!std::ranges::count(files, entry.path())) of_parts.push_back(entry.path());
+  }
+  std::ranges::sort(of_parts);
+  files.insert(files.end(), of_parts.begin(), of_parts.end());
+  return files;
+}
+
 nlohmann::ordered_json Metrics(const EvaluateRequest& request) {
   if (request.truth) {
     const auto config = request.out / "config.yaml";
     const PartOptions options =
         std::filesystem::exists(config) ? LoadPartOptions(config, {}) : PartOptions();
-    const auto truth = TruthFile(*request.truth);
+    const auto truth =
+        IsJoined(request.out) ? WholeTruth(*request.truth) : TruthFile(*request.truth);
     auto metrics = CompareWithTruth(ReadTum(request.out / "trajectory.tum"), truth,
                                     request.out / "dense.ply", options.evaluation);
     RequireMatch(metrics, truth, options.evaluation);
-    for (const char* step : kStepNames) {
-      const auto tum = request.out / "steps" / fmt::format("{}.tum", step);
-      if (!std::filesystem::exists(tum)) continue;
-      metrics["steps"][step] = CompareWithTruth(ReadTum(tum), truth, {}, options.evaluation);
+    for (const auto& tum : StepFiles(request.out)) {
+      metrics["steps"][tum.stem().string()] =
+          CompareWithTruth(ReadTum(tum), truth, {}, options.evaluation);
     }
     return metrics;
   }
@@ -93,6 +118,14 @@ std::filesystem::path TruthFile(const std::filesystem::path& truth) {
     }
   }
   throw DataError(fmt::format("{}: expected trajectory.tum in it, found none", truth.string()));
+}
+
+std::filesystem::path WholeTruth(const std::filesystem::path& truth) {
+  const auto whole = truth / "trajectory.tum";
+  const auto path = std::filesystem::exists(whole) ? whole : truth;
+  if (!TruthFiles(path).empty()) return path;
+  throw DataError(fmt::format(
+      "{}: expected trajectory.tum in it or in folders of its parts, found none", truth.string()));
 }
 
 std::string EvaluatePart(const EvaluateRequest& request) {

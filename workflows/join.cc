@@ -10,6 +10,7 @@
 
 #include "core/error.h"
 #include "core/file.h"
+#include "workflows/evaluate_part.h"
 #include "workflows/join_recipe.h"
 #include "workflows/output_folder.h"
 #include "workflows/run_in_folder.h"
@@ -21,22 +22,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// What --truth means for a traverse: a TUM file, a folder with one, or one with a folder for each
-// part.
-std::string WholeTruth(const fs::path& truth) {
-  const fs::path whole = truth / "trajectory.tum";
-  const fs::path path = fs::exists(whole) ? whole : truth;
-  if (TruthFiles(path).empty()) {
-    throw DataError(truth.string() +
-                    ": expected trajectory.tum in it or in folders of its parts, found none");
-  }
-  return fs::absolute(path).string();
-}
-
 PartResult Run(const JoinRequest& request, const PartRequest& whole, UnionOfParts united,
                const FolderMark& mark) {
   std::string& truth = united.dataset.truth_path;
-  if (whole.truth) truth = WholeTruth(*whole.truth);
+  if (whole.truth) truth = fs::absolute(WholeTruth(*whole.truth)).string();
   if (!truth.empty()) ReadTruth(truth);
   united.parts.missing.insert(united.parts.missing.begin(), request.missing.begin(),
                               request.missing.end());

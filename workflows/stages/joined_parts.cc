@@ -104,6 +104,19 @@ Rigid3 WorldFromPart(const JoinedParts::Part& part, const Odometry& odometry,
   return last * OdometricStep(odometry, before, first) * own.Inverse();
 }
 
+// A part by itself, and the same frames as they are in the whole.
+void AddPartSteps(const JoinedParts::Part& part, const Trajectory& whole, Steps& steps) {
+  if (part.world_from_left.empty()) return;
+  Trajectory alone, joined;
+  for (const auto& [frame, own] : part.world_from_left) {
+    joined.push_back(whole[frame]);
+    alone.push_back(whole[frame]);
+    alone.back().world_from_left = own;
+  }
+  steps.push_back({fmt::format("part-{}-alone", part.name), std::move(alone)});
+  steps.push_back({fmt::format("part-{}-joined", part.name), std::move(joined)});
+}
+
 Steps MakeSteps(const StageContext&, const Odometry& odometry, const AdjustedPart& whole,
                 const JoinedParts& parts) {
   std::vector<std::optional<Rigid3>> chained(odometry.size());
@@ -115,9 +128,11 @@ Steps MakeSteps(const StageContext&, const Odometry& odometry, const AdjustedPar
     }
   }
   const std::vector<std::optional<Rigid3>> none(odometry.size());
-  return {{kStepNames[0], AssembleStep(odometry, none, whole.trajectory)},
-          {kStepNames[2], AssembleStep(odometry, std::move(chained), whole.trajectory)},
-          {kStepNames[3], whole.trajectory}};
+  Steps steps{{kStepNames[0], AssembleStep(odometry, none, whole.trajectory)},
+              {kStepNames[2], AssembleStep(odometry, std::move(chained), whole.trajectory)},
+              {kStepNames[3], whole.trajectory}};
+  for (const JoinedParts::Part& part : parts.parts) AddPartSteps(part, whole.trajectory, steps);
+  return steps;
 }
 
 void PublishJoinedSteps(Publication& publication, const StageContext&, const Steps& steps,

@@ -48,7 +48,8 @@ using JoinedOdometryStage = Stage<Odometry, Takes<Dataset, FeatureStore, JoinedP
 JoinedOdometryStage JoinedOdometry();
 
 // As TrajectorySteps, of the whole: after odometry, of the parts' own trajectories chained by the
-// frames that they share, or else by the odometry, and after the adjustment of all.
+// frames that they share, or else by the odometry, and after the adjustment of all; then each part
+// by itself (part-NAME-alone) and its frames in the whole (part-NAME-joined).
 using JoinedStepsStage = Stage<Steps, Takes<Odometry, AdjustedPart, JoinedParts>, Reads<>>;
 JoinedStepsStage JoinedSteps();
 
