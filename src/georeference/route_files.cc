@@ -89,8 +89,8 @@ std::string Feature(const std::string& type, const std::string& coordinates,
 
 std::string RouteFeature(const Route& route, const std::vector<Geodetic>& positions) {
   std::string properties =
-      fmt::format(R"("kind":"route","place_sigma_m":{:.4g},"height_sigma_m":{:.4g})",
-                  route.place_sigma_m, route.height_sigma_m);
+      fmt::format(R"("kind":"route","position_sigma_m":{:.4g},"height_sigma_m":{:.4g})",
+                  route.position_sigma_m, route.height_sigma_m);
   if (!route.warning.empty()) properties += fmt::format(R"(,"verdict":"{}")", route.warning);
   auto lines = Lines(positions);
   // A line has two positions at least.

@@ -23,7 +23,7 @@ struct Route {
   const EarthMap& earth;
   std::span<const RouteLandmark> rocks;
   // One sigma of where the whole lies, horizontally per axis and in height, m.
-  double place_sigma_m = 0.0, height_sigma_m = 0.0;
+  double position_sigma_m = 0.0, height_sigma_m = 0.0;
   std::string warning = {};  // what everything made of it has to bear; empty: nothing
 };
 

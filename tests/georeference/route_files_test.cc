@@ -41,7 +41,7 @@ TEST(RouteFiles, GeoJsonHoldsRoutePosesAndRocksInLongitudeLatitudeHeight) {
   EXPECT_NEAR(line["geometry"]["coordinates"][0][0], 4.40, 1e-8);
   EXPECT_NEAR(line["geometry"]["coordinates"][0][1], 52.21, 1e-8);
   EXPECT_NEAR(line["geometry"]["coordinates"][0][2], 6.0, 1e-3);
-  EXPECT_EQ(line["properties"]["place_sigma_m"], 0.004);
+  EXPECT_EQ(line["properties"]["position_sigma_m"], 0.004);
   EXPECT_FALSE(line["properties"].contains("verdict"));
   const json& pose = file["features"][2];
   EXPECT_EQ(pose["geometry"]["type"], "Point");
