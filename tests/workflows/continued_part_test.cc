@@ -120,7 +120,8 @@ TEST_F(ContinuedPart, MovedWithItsDataIsDoneAlready) {
 TEST_F(ContinuedPart, WithAnotherAlgorithmIsDoneAnewFromThatStageOn) {
   const auto before = Published();
   ASSERT_EQ(Run(RIGMAP_OTHER_PROGRAM, out_, data_).exit_code, 0);
-  EXPECT_THAT(Made(), ElementsAre("fusion", "raster", "views", "evaluation"));
+  EXPECT_THAT(Made(),
+              ElementsAre("fusion", "georeference", "raster", "las", "views", "evaluation"));
   // Only the identity differs: the algorithm is the same.
   EXPECT_THAT(DifferentFrom(before), IsEmpty());
 }
@@ -138,7 +139,7 @@ TEST_F(ContinuedPart, WithAnotherPictureSizeMakesPicturesOnly) {
 TEST_F(ContinuedPart, JudgedByOtherLimitsMakesNothingElseAnew) {
   const ProgramEnd end = Continue({"--set", "gates.epipolar_px=0.000001"});
   EXPECT_EQ(end.exit_code, 3);
-  EXPECT_THAT(Made(), ElementsAre("raster", "views"));
+  EXPECT_THAT(Made(), ElementsAre("georeference", "raster", "las", "views"));
   EXPECT_EQ(Summary()["status"], "untrusted");
   EXPECT_THAT(Summary()["reason"].get<std::string>(), HasSubstr("epipolar_px"));
 }
@@ -177,7 +178,7 @@ TEST_F(ContinuedPart, AskedToBeBetterThanItIsMakesNothingElseAnewAndSaysSo) {
   EXPECT_THAT(end.err, HasSubstr("rigmap: NOT TRUSTED: the scale is known to "));
   EXPECT_THAT(end.err, HasSubstr("rigmap: usable all the same: shape and path: metres to "));
   EXPECT_THAT(end.err, HasSubstr("rigmap: to try next: "));
-  EXPECT_THAT(Made(), ElementsAre("raster", "views"));
+  EXPECT_THAT(Made(), ElementsAre("georeference", "raster", "las", "views"));
   EXPECT_EQ(Summary()["status"], "untrusted");
   EXPECT_THAT(Summary()["verdict"]["text"].get<std::string>(),
               StartsWith("consistent, but not as good"));
@@ -216,7 +217,7 @@ TEST_F(ContinuedPart, AskedForLessWithAnotherOptionNamesWhatItRemoves) {
   EXPECT_THAT(Made(), ElementsAre("odometry"));
   // Going back is free for all that is kept.
   ASSERT_EQ(Continue().exit_code, 0);
-  EXPECT_THAT(Made(), ElementsAre("mapping", "fusion", "raster", "views"));
+  EXPECT_THAT(Made(), ElementsAre("mapping", "fusion", "georeference", "raster", "las", "views"));
 }
 
 TEST_F(ContinuedPart, ByVisualOdometryTakesUpWhatTheRigTechniqueLeft) {
