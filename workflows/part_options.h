@@ -56,8 +56,8 @@ struct PartOptions {
   VoxelOptions voxel;          // in the section of fusion
   FusionOptions fusion;
   RasterOptions raster;
-  TerrainOptions terrain;   // in the section of raster, as the next
-  PictureOptions pictures;  // in the section of raster
+  FootprintOptions terrain;  // in the section of raster, as the next
+  PictureOptions pictures;   // in the section of raster
   EvaluationOptions evaluation;
   RtkAlignmentOptions georeference;
   EarthFitOptions earth;  // in the section of georeference, as the next

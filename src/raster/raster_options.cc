@@ -11,7 +11,7 @@ OptionFields RasterOptions::Fields() {
   };
 }
 
-OptionFields TerrainOptions::Fields() {
+OptionFields FootprintOptions::Fields() {
   return {
       {"footprint_m", &footprint_m, "m", AtLeast(0.0).UpTo(100.0),
        "Diameter of the circle of ground that carries the rover, over which slope, roughness and "

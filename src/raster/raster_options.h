@@ -15,7 +15,7 @@ struct RasterOptions {
   OptionFields Fields();
 };
 
-struct TerrainOptions {
+struct FootprintOptions {
   static constexpr const char* kSection = "raster";
 
   double footprint_m = 0.0;

@@ -103,12 +103,13 @@ void WriteTiles(PointBins& bins, const PointCells& cells, int max_hole_cells,
   }
 }
 
-void RequireFootprint(const TerrainOptions& terrain) {
+void RequireFootprint(const FootprintOptions& terrain) {
   RequireOption(terrain.footprint_m > 0.0, "raster.footprint_m", "more than 0",
                 terrain.footprint_m);
 }
 
-MapNotes TerrainNotes(const MapNotes& notes, const TerrainOptions& terrain, const std::string& up) {
+MapNotes TerrainNotes(const MapNotes& notes, const FootprintOptions& terrain,
+                      const std::string& up) {
   MapNotes of_terrain = notes;
   of_terrain.items = {{"RIGMAP_FOOTPRINT_M", fmt::format("{}", terrain.footprint_m)},
                       {"RIGMAP_MAX_SLOPE_DEG", fmt::format("{}", terrain.max_slope_deg)}};
@@ -119,7 +120,7 @@ MapNotes TerrainNotes(const MapNotes& notes, const TerrainOptions& terrain, cons
 }  // namespace
 
 void WriteSurfaceRasters(const GriddedCloud& cloud, const fs::path& folder,
-                         const RasterOptions& options, const TerrainOptions& terrain,
+                         const RasterOptions& options, const FootprintOptions& terrain,
                          const RasterInputs& inputs) {
   cloud.Validate();
   RequireValid(options);

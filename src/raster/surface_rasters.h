@@ -43,7 +43,7 @@ struct RasterInputs {
 // point or spreads too far (FrameOf), and where writing fails; old files are then left as they
 // were. Throws UsageError. A second call in the process waits for the first.
 void WriteSurfaceRasters(const GriddedCloud& cloud, const std::filesystem::path& folder,
-                         const RasterOptions& options, const TerrainOptions& terrain,
+                         const RasterOptions& options, const FootprintOptions& terrain,
                          const RasterInputs& inputs = {});
 
 }  // namespace rigmap

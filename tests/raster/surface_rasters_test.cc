@@ -59,7 +59,7 @@ class Rasters : public testing::Test {
   TemporaryFolder folder_;
   double cell_m_ = kCell;
   RasterOptions options_;
-  TerrainOptions terrain_{.footprint_m = 0.4};
+  FootprintOptions terrain_{.footprint_m = 0.4};
 };
 
 TEST_F(Rasters, HoldTheHeightsNorthUp) {

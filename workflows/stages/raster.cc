@@ -13,7 +13,7 @@ constexpr double kUnknownFootprint_m = 1.0;
 
 Published MakeRasters(const StageContext& context, const PosedPart& part, const FusedMap& map,
                       const Warning& warning, const Georeferenced& earth,
-                      const RasterOptions& options, const TerrainOptions& terrain) {
+                      const RasterOptions& options, const FootprintOptions& terrain) {
   if (map.points == 0) return {};
   for (const std::string& name : kRasters) context.publication->Path(name);
   WriteSurfaceRasters(
@@ -25,7 +25,7 @@ Published MakeRasters(const StageContext& context, const PosedPart& part, const 
 
 }  // namespace
 
-TerrainOptions TerrainOf(const StereoRig& rig, TerrainOptions options) {
+FootprintOptions TerrainOf(const StereoRig& rig, FootprintOptions options) {
   if (options.footprint_m > 0.0) return options;
   if (rig.wheels) {
     for (const RoverWheel& a : rig.wheels->wheels) {

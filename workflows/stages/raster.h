@@ -10,10 +10,10 @@
 namespace rigmap {
 
 // With footprint_m as it is asked for, else by the rig's wheels, else 1 m.
-TerrainOptions TerrainOf(const StereoRig& rig, TerrainOptions options);
+FootprintOptions TerrainOf(const StereoRig& rig, FootprintOptions options);
 
 using RasterStage = Stage<Published, Takes<PosedPart, FusedMap, Warning, Georeferenced>,
-                          Reads<RasterOptions, TerrainOptions>>;
+                          Reads<RasterOptions, FootprintOptions>>;
 RasterStage Rasters();
 
 }  // namespace rigmap

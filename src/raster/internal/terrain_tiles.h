@@ -18,7 +18,7 @@ CellFrame BlockFrame(const CellFrame& frame, int side);
 
 // Kept by reference.
 struct TerrainInputs {
-  const TerrainOptions& options;
+  const FootprintOptions& options;
   const Trajectory* trajectory;  // whose sigmas about x and y add to the level's; null: none
 };
 
