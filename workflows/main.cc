@@ -1,4 +1,4 @@
-// The command line: rigmap part, evaluate, calibrate, compare, options, stages.
+// The command line: rigmap part, run, plan, join, evaluate, calibrate, compare, options, stages.
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -14,6 +14,7 @@
 #include "pipeline/code_identity.h"
 #include "workflows/calibrate.h"
 #include "workflows/evaluate_part.h"
+#include "workflows/join.h"
 #include "workflows/part_arguments.h"
 #include "workflows/print_options.h"
 #include "workflows/print_stages.h"
@@ -42,8 +43,8 @@ void SayWhyNot(const Refusal& refusal, const std::string& out) {
              fmt::join(gates, "; "));
 }
 
-int RunPart(const PartArguments& arguments, std::string command) {
-  const PartResult result = ReconstructPart(MakeRequest(arguments, std::move(command)));
+// What a run has come to, said at its end.
+int SayHowItEnded(const PartResult& result, const PartArguments& arguments) {
   if (result.status == PartStatus::kUntrusted) {
     SayWhyNot(result.refusal, arguments.out);
     return kExitUntrusted;
@@ -57,12 +58,29 @@ int RunPart(const PartArguments& arguments, std::string command) {
   return 0;
 }
 
+int RunPart(const PartArguments& arguments, std::string command) {
+  return SayHowItEnded(ReconstructPart(MakeRequest(arguments, std::move(command))), arguments);
+}
+
+int RunWhole(const RunArguments& arguments, std::string command) {
+  return SayHowItEnded(RunTraverse(MakeRunRequest(arguments, std::move(command))), arguments.part);
+}
+
+int RunJoin(const JoinArguments& arguments, std::string command) {
+  return SayHowItEnded(JoinParts(MakeJoinRequest(arguments, std::move(command))), arguments.whole);
+}
+
 int Main(int argc, char** argv) {
   CLI::App app("Metric trajectories and maps from stereo rovers", "rigmap");
   app.set_version_flag("--version", std::string(SourceVersion()));
   app.require_subcommand(1);
   PartArguments part;
   AddPart(app, part);
+  RunArguments run, plan;
+  CLI::App* running = AddRun(app, run);
+  CLI::App* planning = AddPlan(app, plan);
+  JoinArguments join;
+  CLI::App* joining = AddJoin(app, join);
   EvaluateRequest evaluate;
   std::string truth;
   CLI::App* evaluation = app.add_subcommand("evaluate", "Compare a result with a truth");
@@ -114,6 +132,12 @@ int Main(int argc, char** argv) {
     fmt::print("{}", PrintStages(ParseTechnique(technique)));
     return 0;
   }
+  if (planning->parsed()) {
+    fmt::print("{}", PrintPlan(plan));
+    return 0;
+  }
+  if (running->parsed()) return RunWhole(run, std::move(command));
+  if (joining->parsed()) return RunJoin(join, std::move(command));
   return RunPart(part, std::move(command));
 }
 

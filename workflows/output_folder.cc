@@ -32,6 +32,14 @@ constexpr const char* kMarkName = ".dataset";
 constexpr const char* kOwnNames[] = {kLockName,     kMarkName, "summary.json",
                                      "config.yaml", "logs",    "stages"};
 
+// Of a traverse, beside what is made of the whole: what its parts are and were made from. No run on
+// the whole takes them away.
+constexpr const char* kTraverseNames[] = {"parts", "plan.json", "jobs", "rig.yaml"};
+
+bool IsOfTraverse(const fs::path& name) {
+  return std::ranges::count(kTraverseNames, name.string()) > 0;
+}
+
 bool IsUnfinishedMark(const fs::path& name) {
   return name.stem() == kMarkName && IsTemporaryName(name);
 }
@@ -39,7 +47,7 @@ bool IsUnfinishedMark(const fs::path& name) {
 bool IsEmpty(const fs::path& root) {
   return std::all_of(fs::directory_iterator(root), fs::directory_iterator(), [](const auto& entry) {
     const auto name = entry.path().filename();
-    return name == kLockName || IsUnfinishedMark(name);
+    return name == kLockName || IsUnfinishedMark(name) || IsOfTraverse(name);
   });
 }
 
@@ -52,7 +60,7 @@ std::set<std::string> OwnNames() {
 
 bool IsOwn(const fs::path& entry, const std::set<std::string>& own) {
   const std::string name = entry.filename().string();
-  return own.contains(name) || IsTemporaryName(name);
+  return own.contains(name) || IsTemporaryName(name) || IsOfTraverse(name);
 }
 
 void RequireNothingForeign(const fs::path& root) {
@@ -80,7 +88,8 @@ void RequireNoHome(const fs::path& root) {
 void Empty(const fs::path& root) {
   for (const auto& entry : fs::directory_iterator(root)) {
     const fs::path name = entry.path().filename();
-    if (name != kLockName && name != kMarkName) fs::remove_all(entry.path());
+    if (name == kLockName || name == kMarkName || IsOfTraverse(name)) continue;
+    fs::remove_all(entry.path());
   }
 }
 
@@ -137,6 +146,11 @@ OutputLock::OutputLock(const fs::path& root) {
 }
 
 OutputLock::~OutputLock() { close(descriptor_); }
+
+void RequireTraverseOutput(const fs::path& root) {
+  if (fs::is_directory(root) && !IsEmpty(root) && fs::exists(root / kMarkName)) return;
+  RequireOwnOutput(root, {}, false);
+}
 
 void RequireOwnOutput(const fs::path& root, const FolderMark& mark, bool force) {
   std::error_code ignored;

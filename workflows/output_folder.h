@@ -31,6 +31,10 @@ class OutputLock {
   int descriptor_ = -1;
 };
 
+// Throws DataError if a traverse's parts may not be put into the folder: it holds something, and
+// neither bears rigmap's mark nor holds parts.
+void RequireTraverseOutput(const std::filesystem::path& root);
+
 // Throws DataError if one of the dataset's files lies in the folder, or the folder among its
 // images.
 void RequireInputElsewhere(const std::filesystem::path& root, const Dataset& dataset);

@@ -5,10 +5,13 @@
 #include <algorithm>
 #include <charconv>
 #include <filesystem>
+#include <nlohmann/json.hpp>
 #include <thread>
 
 #include "core/config_file.h"
 #include "core/error.h"
+#include "core/job.h"
+#include "workflows/join_recipe.h"
 #include "workflows/print_options.h"
 
 namespace rigmap {
@@ -29,6 +32,19 @@ std::pair<int, int> ParseFrames(const std::string& text) {
   return {first, end};
 }
 
+// How frames are reconstructed, and how good the result has to be.
+void AddHow(CLI::App* command, PartArguments& a) {
+  command->add_option("--config", a.config, "YAML file of options (rigmap options lists all)");
+  command->add_option("--set", a.assignments, "stage.option=value, over --config");
+  command->add_option(
+      "--accuracy", a.accuracy_pct,
+      "Per cent of the path that scale and positions must be good to (95 %); default 1");
+  command->add_option("--threads", a.threads, "Threads; default: one per core");
+  command->add_option("--memory", a.memory_mb, "Megabytes that dense matching may use");
+  command->add_option("--truth", a.truth, "TUM file, or folder with trajectory.tum");
+  command->add_flag("--quiet", a.quiet, "No progress, errors only");
+}
+
 // What a part is made from and how good it has to be: of all commands that reconstruct one.
 CLI::Option* AddPartInputs(CLI::App* part, PartArguments& a) {
   CLI::Option* dataset =
@@ -38,21 +54,32 @@ CLI::Option* AddPartInputs(CLI::App* part, PartArguments& a) {
   part->add_option("--rig", a.rig, "Rig file, instead of the one beside the data");
   part->add_option("--format", a.format, "katwijk or stereo, instead of what is recognised");
   part->add_option("--frames", a.frames, "FIRST:END of the paired frames, END excluded");
-  part->add_option("--config", a.config, "YAML file of options (rigmap options lists all)");
-  part->add_option("--set", a.assignments, "stage.option=value, over --config");
-  part->add_option(
-      "--accuracy", a.accuracy_pct,
-      "Per cent of the path that scale and positions must be good to (95 %); default 1");
-  part->add_option("--threads", a.threads, "Threads; default: one per core");
-  part->add_option("--memory", a.memory_mb, "Megabytes that dense matching may use");
-  part->add_option("--truth", a.truth, "TUM file, or folder with trajectory.tum");
-  part->add_flag("--quiet", a.quiet, "No progress, errors only");
+  AddHow(part, a);
   return dataset;
 }
 
+// Where the results go, and how much is done.
+void AddWhere(CLI::App* command, PartArguments& a) {
+  command->add_option("--out", a.out, "Folder for the results")->required();
+  command->add_option("--until", a.until, "Do no more than this stage and what it depends on");
+  command->add_option("--from", a.from, "Do this stage and those that depend on it anew");
+  command->add_flag("--force", a.force, "Remove an earlier result from the output folder first");
+  command->add_flag(
+      "--depth-maps", a.depth_maps,
+      "Write each keyframe's depth and its sigma as images, and a workspace for COLMAP's "
+      "fusion and meshing (dense.depth_maps)");
+}
+
+// How a traverse is cut into jobs.
+void AddCuts(CLI::App* command, RunArguments& a) {
+  command->add_option("--split", a.split, "Cut the traverse into so many jobs");
+  command->add_option("--max-frames", a.max_frames, "Cut it into jobs of at most so many pairs");
+  command->add_option("--overlap", a.overlap, "Pairs that jobs cut from one part share");
+}
+
 // The place of a stage in the technique's order.
-std::ptrdiff_t IndexOfStage(const char* option, const std::string& name, Technique technique) {
-  const auto names = StageNames(technique);
+std::ptrdiff_t IndexOfStage(const char* option, const std::string& name,
+                            const std::vector<std::string>& names) {
   const auto found = std::ranges::find(names, name);
   if (found == names.end()) {
     throw UsageError(
@@ -61,37 +88,17 @@ std::ptrdiff_t IndexOfStage(const char* option, const std::string& name, Techniq
   return found - names.begin();
 }
 
-void RequireStages(const PartArguments& a, Technique technique) {
-  const auto until = a.until.empty() ? 0 : IndexOfStage("--until", a.until, technique);
-  const auto from = a.from.empty() ? 0 : IndexOfStage("--from", a.from, technique);
+void RequireStages(const PartArguments& a, const std::vector<std::string>& stages) {
+  const auto until = a.until.empty() ? 0 : IndexOfStage("--until", a.until, stages);
+  const auto from = a.from.empty() ? 0 : IndexOfStage("--from", a.from, stages);
   if (!a.until.empty() && !a.from.empty() && until < from) {
     throw UsageError(fmt::format("--from {}: comes after --until {}", a.from, a.until));
   }
 }
 
-}  // namespace
-
-void AddPart(CLI::App& app, PartArguments& a) {
-  CLI::App* part = app.add_subcommand("part", "Reconstruct one part of a traverse");
-  AddPartInputs(part, a)->required();
-  part->add_option("--out", a.out, "Folder for the results")->required();
-  part->add_option("--technique", a.technique,
-                   "How the part is reconstructed: rig (default), or another for comparison "
-                   "(docs/techniques.md)");
-  part->add_option("--until", a.until, "Do no more than this stage and what it depends on");
-  part->add_option("--from", a.from, "Do this stage and those that depend on it anew");
-  part->add_flag("--force", a.force, "Remove an earlier result from the output folder first");
-  part->add_flag(
-      "--depth-maps", a.depth_maps,
-      "Write each keyframe's depth and its sigma as images, and a workspace for COLMAP's "
-      "fusion and meshing (dense.depth_maps)");
-  part->footer(PartOptionsHelp);
-}
-
-PartRequest MakeRequest(const PartArguments& a, std::string command) {
+// All but what depends on the technique.
+PartRequest MakeRequestWithoutStages(const PartArguments& a, std::string command) {
   PartRequest request;
-  request.technique = ParseTechnique(a.technique);
-  RequireStages(a, request.technique);
   request.dataset.folder = a.dataset;
   request.dataset.traverse = a.traverse;
   request.dataset.part = a.part;
@@ -125,6 +132,97 @@ PartRequest MakeRequest(const PartArguments& a, std::string command) {
   request.quiet = a.quiet;
   request.command = std::move(command);
   return request;
+}
+
+}  // namespace
+
+void AddPart(CLI::App& app, PartArguments& a) {
+  CLI::App* part = app.add_subcommand("part", "Reconstruct one part of a traverse");
+  AddPartInputs(part, a)->required();
+  part->add_option("--technique", a.technique,
+                   "How the part is reconstructed: rig (default), or another for comparison "
+                   "(docs/techniques.md)");
+  AddWhere(part, a);
+  part->footer(PartOptionsHelp);
+}
+
+PartRequest MakeRequest(const PartArguments& a, std::string command) {
+  const Technique technique = ParseTechnique(a.technique);
+  RequireStages(a, StageNames(technique));
+  PartRequest request = MakeRequestWithoutStages(a, std::move(command));
+  request.technique = technique;
+  return request;
+}
+
+JoinRequest MakeJoinRequest(const JoinArguments& a, std::string command) {
+  JoinRequest request;
+  request.outs.assign(a.outs.begin(), a.outs.end());
+  PartArguments whole = a.whole;
+  const fs::path options = request.outs.front() / "config.yaml";
+  if (whole.config.empty() && fs::exists(options)) whole.config = options.string();
+  request.whole = MakeRequestWithoutStages(whole, std::move(command));
+  const auto stages = JoinStageNames();
+  RequireStages(whole, stages);
+  return request;
+}
+
+CLI::App* AddJoin(CLI::App& app, JoinArguments& a) {
+  CLI::App* join =
+      app.add_subcommand("join", "Put the parts of one drive together: one trajectory, one map");
+  join->add_option("outs", a.outs, "Folders that rigmap part has left")->required();
+  AddHow(join, a.whole);
+  AddWhere(join, a.whole);
+  join->footer(PartOptionsHelp);
+  return join;
+}
+
+CLI::App* AddRun(CLI::App& app, RunArguments& a) {
+  CLI::App* run = app.add_subcommand(
+      "run", "Reconstruct a whole traverse: its parts, and the parts joined into one world");
+  AddPartInputs(run, a.part)->required();
+  AddCuts(run, a);
+  AddWhere(run, a.part);
+  run->footer(PartOptionsHelp);
+  return run;
+}
+
+CLI::App* AddPlan(CLI::App& app, RunArguments& a) {
+  CLI::App* plan = app.add_subcommand(
+      "plan", "Look a data set over, and print the jobs that `run` would make of it");
+  AddPartInputs(plan, a.part)->required();
+  AddCuts(plan, a);
+  plan->add_flag("--sbatch", a.sbatch, "Print a script for sbatch instead of JSON");
+  plan->footer(PartOptionsHelp);
+  return plan;
+}
+
+RunRequest MakeRunRequest(const RunArguments& a, std::string command) {
+  RunRequest request;
+  request.part = MakeRequestWithoutStages(a.part, std::move(command));
+  request.plan = {request.part.dataset,  a.split, a.max_frames, a.overlap, request.part.threads,
+                  request.part.memory_mb};
+  for (const auto& [option, count] :
+       {std::pair("--split", a.split), {"--max-frames", a.max_frames}}) {
+    if (count && *count < 1) {
+      throw UsageError(fmt::format("{}: expected 1 or more, found {}", option, *count));
+    }
+  }
+  return request;
+}
+
+std::string PrintPlan(const RunArguments& a) {
+  const RunRequest request = MakeRunRequest(a, "");
+  Job job(request.part.threads, request.part.quiet);
+  const TraversePlan plan = job.Run([&] { return PlanTraverse(request.plan); });
+  if (!a.sbatch) return ToJson(plan, request.plan).dump(1) + "\n";
+  std::vector<std::string> more;
+  if (!a.part.config.empty()) {
+    more.insert(more.end(), {"--config", fs::absolute(a.part.config).string()});
+  }
+  for (const std::string& assignment : a.part.assignments) {
+    more.insert(more.end(), {"--set", assignment});
+  }
+  return WriteSbatch(plan, request.plan, more);
 }
 
 CLI::App* AddCompare(CLI::App& app, CompareArguments& a) {

@@ -7,7 +7,9 @@
 #include <vector>
 
 #include "workflows/compare.h"
+#include "workflows/join.h"
 #include "workflows/part_request.h"
+#include "workflows/run_traverse.h"
 
 namespace rigmap {
 
@@ -37,6 +39,31 @@ struct CompareArguments {
 CLI::App* AddCompare(CLI::App& app, CompareArguments& arguments);
 // As MakeRequest.
 CompareRequest MakeCompareRequest(const CompareArguments& arguments, const std::string& command);
+
+struct RunArguments {
+  PartArguments part;
+  std::optional<int> split, max_frames;
+  int overlap = PlanRequest().overlap;
+  bool sbatch = false;  // of `plan`
+};
+
+// The subcommands `run` and `plan`.
+CLI::App* AddRun(CLI::App& app, RunArguments& arguments);
+CLI::App* AddPlan(CLI::App& app, RunArguments& arguments);
+// As MakeRequest.
+RunRequest MakeRunRequest(const RunArguments& arguments, std::string command);
+// The plan as JSON or, if wanted, as a script for sbatch.
+std::string PrintPlan(const RunArguments& arguments);
+
+struct JoinArguments {
+  PartArguments whole;
+  std::vector<std::string> outs;
+};
+
+// The subcommand `join`.
+CLI::App* AddJoin(CLI::App& app, JoinArguments& arguments);
+// As MakeRequest. Without --config the first part's options apply.
+JoinRequest MakeJoinRequest(const JoinArguments& arguments, std::string command);
 
 template <class Value>
 std::optional<Value> IfGiven(const std::string& text) {

@@ -31,6 +31,8 @@ Report Blank() {
             {"gyro_bias_radps", nullptr},
             {"slips", Report::array()},
             {"visual_steps_refused", Report::array()}}},
+          {"parts", Report::array()},
+          {"worlds", Report::array()},
           {"mapping", {{"method", nullptr}, {"remarks", Report::array()}}},
           {"scale",
            {{"metres_per_model_unit", nullptr},
@@ -144,13 +146,13 @@ PartResult Judge(const Ledger& ledger, int first_frame) {
   return {PartStatus::kUntrusted, std::move(reason), std::move(text), std::move(refusal)};
 }
 
-std::string WriteSummary(const Ledger& ledger, const PartRequest& request,
-                         const std::string& failure) {
+std::string WriteSummary(const Ledger& ledger, const std::string& recipe,
+                         const PartRequest& request, const std::string& failure) {
   const PartResult result = failure.empty() ? Judge(ledger, FirstFrame(request))
                                             : PartResult{PartStatus::kFailed, failure, "", {}};
   Report summary = {{"status", NameOf(result.status)},
                     {"reason", result.reason.empty() ? Report(nullptr) : Report(result.reason)},
-                    {"technique", NameOf(request.technique)}};
+                    {"technique", recipe}};
   const Report merged = MergeReports(ledger);
   summary["world_up"] = merged["world_up"];
   summary["stages"] = StagesOf(ledger);

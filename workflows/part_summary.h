@@ -18,8 +18,9 @@ Report MergeReports(const Ledger& ledger);
 // frame in the whole data set.
 PartResult Judge(const Ledger& ledger, int first_frame = 0);
 
-// summary.json as text. `failure` is what ended the run, if anything did.
-std::string WriteSummary(const Ledger& ledger, const PartRequest& request,
-                         const std::string& failure);
+// summary.json as text, of a run of the recipe of that name. `failure` is what ended the run, if
+// anything did.
+std::string WriteSummary(const Ledger& ledger, const std::string& recipe,
+                         const PartRequest& request, const std::string& failure);
 
 }  // namespace rigmap

@@ -2,6 +2,7 @@
 #include "workflows/recipes.h"
 #include "workflows/stages/adjustment.h"
 #include "workflows/stages/gates.h"
+#include "workflows/stages/pose_graph.h"
 #include "workflows/surface_recipe.h"
 
 namespace rigmap {
@@ -29,6 +30,7 @@ StageGraph RigRecipe(const Dataset& data, const DatasetContent& data_content,
                  dataset, found, aligned, adjusted);
   const auto posed = g.AddView(PosedByAdjustment, dataset, adjusted);
 
+  g.AddStage(PartPoseGraph(), Reading(), matches, adjusted);
   const auto steps = g.AddStage(TrajectorySteps(), Reading(), odometry, graph, aligned, adjusted);
 
   // depth of the keyframes, fused on the poses -> coloured map, judged

@@ -22,6 +22,11 @@ struct DatasetContent {
   std::string Key() const;  // of all that
   // Of the frames alone: the same for two results that can be compared or continued.
   std::string FramesKey() const;
+
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(rig, frames, images, inclinometer, sensors);
+  }
 };
 
 // Reads every image once, unless `hashes` knows it. The truth is left out: no stage before

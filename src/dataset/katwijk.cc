@@ -167,6 +167,28 @@ std::optional<StereoFrame> PairEyes(StampNs stamp_ns, const EyeImages& images,
   return std::nullopt;
 }
 
+std::vector<KatwijkPart> FittingKatwijkParts(const fs::path& folder, std::optional<int> traverse,
+                                             std::optional<int> part) {
+  const auto parts = FindKatwijkParts(folder);
+  if (parts.empty()) {
+    throw DataError(
+        fmt::format("{}: expected Traverse<T>/Part<P>/LocCam, Part<P>/LocCam or "
+                    "LocCam, found none of them",
+                    folder.string()));
+  }
+  const auto fits = [](std::optional<int> wanted, std::optional<int> found) {
+    return !wanted || !found || *wanted == *found;
+  };
+  std::vector<KatwijkPart> fitting;
+  std::copy_if(parts.begin(), parts.end(), std::back_inserter(fitting),
+               [&](const KatwijkPart& candidate) {
+                 return fits(traverse, candidate.traverse) && fits(part, candidate.part);
+               });
+  if (!fitting.empty()) return fitting;
+  throw UsageError(fmt::format("{}:{} fits no part, found {}", folder.string(),
+                               DescribeRequest(traverse, part), Describe(parts)));
+}
+
 }  // namespace
 
 std::vector<KatwijkPart> FindKatwijkParts(const fs::path& folder) {
@@ -184,28 +206,21 @@ std::vector<KatwijkPart> FindKatwijkParts(const fs::path& folder) {
   return parts;
 }
 
+std::vector<KatwijkPart> KatwijkPartsThatFit(const fs::path& folder, std::optional<int> traverse,
+                                             std::optional<int> part) {
+  auto fitting = FittingKatwijkParts(folder, traverse, part);
+  const auto other = std::ranges::find_if(fitting, [&](const KatwijkPart& found) {
+    return found.traverse != fitting.front().traverse;
+  });
+  if (other == fitting.end()) return fitting;
+  throw UsageError(fmt::format("{}: expected --traverse to choose one traverse, found {}",
+                               folder.string(), Describe(fitting)));
+}
+
 KatwijkPart SelectKatwijkPart(const fs::path& folder, std::optional<int> traverse,
                               std::optional<int> part) {
-  const auto parts = FindKatwijkParts(folder);
-  if (parts.empty()) {
-    throw DataError(
-        fmt::format("{}: expected Traverse<T>/Part<P>/LocCam, Part<P>/LocCam or "
-                    "LocCam, found none of them",
-                    folder.string()));
-  }
-  const auto fits = [](std::optional<int> wanted, std::optional<int> found) {
-    return !wanted || !found || *wanted == *found;
-  };
-  std::vector<KatwijkPart> fitting;
-  std::copy_if(parts.begin(), parts.end(), std::back_inserter(fitting),
-               [&](const KatwijkPart& candidate) {
-                 return fits(traverse, candidate.traverse) && fits(part, candidate.part);
-               });
+  const auto fitting = FittingKatwijkParts(folder, traverse, part);
   if (fitting.size() == 1) return fitting.front();
-  if (fitting.empty()) {
-    throw UsageError(fmt::format("{}:{} fits no part, found {}", folder.string(),
-                                 DescribeRequest(traverse, part), Describe(parts)));
-  }
   throw UsageError(fmt::format("{}: expected --traverse and --part to choose one part, found {}",
                                folder.string(), Describe(fitting)));
 }

@@ -237,6 +237,18 @@ void LogHealth(const Dataset& dataset) {
 
 }  // namespace
 
+std::vector<DatasetRequest> PartsOf(const DatasetRequest& request) {
+  const fs::path folder = AbsoluteFolder(request.folder);
+  if (FindFormat(request, folder) != DatasetFormat::kKatwijk) return {request};
+  std::vector<DatasetRequest> parts;
+  for (const KatwijkPart& part : KatwijkPartsThatFit(folder, request.traverse, request.part)) {
+    parts.push_back(request);
+    parts.back().traverse = part.traverse;
+    parts.back().part = part.part;
+  }
+  return parts;
+}
+
 Dataset OpenDataset(const DatasetRequest& request) {
   const fs::path folder = AbsoluteFolder(request.folder);
   Opened opened = FindFormat(request, folder) == DatasetFormat::kKatwijk

@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "scene/dataset.h"
 
@@ -18,6 +19,11 @@ struct DatasetRequest {
   std::optional<std::pair<int, int>> frames;  // FIRST and END of the paired frames, half open
   std::filesystem::path default_loccam_rig;   // for Katwijk data without a rig file of its own
 };
+
+// The data sets that a request may mean, one for each part of a traverse: a stereo folder is one;
+// of a Katwijk root or traverse each part that fits, in order. Throws as OpenDataset, and
+// UsageError where parts of several traverses fit.
+std::vector<DatasetRequest> PartsOf(const DatasetRequest& request);
 
 // The rig is request.rig; else calib.yaml or rig.yaml in the given folder or, for Katwijk, in the
 // part's folder or the two above it; else, for Katwijk, default_loccam_rig. Which one applies is

@@ -1,4 +1,4 @@
-#include "pose_graph/internal/part_graph.h"
+#include "pose_graph/part_graph.h"
 
 #include <numbers>
 

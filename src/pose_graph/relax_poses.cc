@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "pose_graph/internal/optimise_pose_graph.h"
-#include "pose_graph/internal/part_graph.h"
+#include "pose_graph/part_graph.h"
 
 namespace rigmap {
 namespace {

@@ -75,6 +75,13 @@ struct Dataset {
   std::vector<GnssFix> fixes;  // of the rover's satellite receiver
   std::vector<SurveyedLandmark> surveyed_landmarks;  // of the whole traverse
   DatasetHealth health;
+
+  // Without the pool, whose rig has been taken already.
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(format, rig, frames, inclinometer, wheels, inertial, truth_path, fixes,
+            surveyed_landmarks, health);
+  }
 };
 
 }  // namespace rigmap

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/stamp.h"
+#include "geometry/serialize.h"
 
 namespace rigmap {
 
@@ -17,6 +18,11 @@ struct WheelSample {
   std::array<double, 6> drive_angle_rad{};  // turned since some start, without jumps
   std::array<double, 6> drive_rate_radps{};
   std::array<double, 4> steering_rad{};
+
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(stamp_ns, drive_angle_rad, drive_rate_radps, steering_rad);
+  }
 };
 
 // In IMU axes.
@@ -24,6 +30,11 @@ struct InertialSample {
   StampNs stamp_ns = 0;
   Eigen::Vector3d angular_rate_radps = Eigen::Vector3d::Zero();
   Eigen::Vector3d inclination_mps2 = Eigen::Vector3d::Zero();  // up, at rest: as InclinometerSample
+
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(stamp_ns, angular_rate_radps, inclination_mps2);
+  }
 };
 
 // Strictly increasing stamps. Where there is a `problem`, a sentence that names the file, the
@@ -31,10 +42,20 @@ struct InertialSample {
 struct WheelRecord {
   std::vector<WheelSample> samples;
   std::string problem;
+
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(samples, problem);
+  }
 };
 struct InertialRecord {
   std::vector<InertialSample> samples;
   std::string problem;
+
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(samples, problem);
+  }
 };
 
 }  // namespace rigmap

@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "core/stamp.h"
+#include "geometry/serialize.h"
 
 namespace rigmap {
 
@@ -15,6 +16,11 @@ struct GnssFix {
   std::string status;    // RTK_FIXED where the carrier's cycles are counted, else something else
   double latitude_deg = 0.0, longitude_deg = 0.0, altitude_m = 0.0;
   Eigen::Vector3d sigma_enu_m = Eigen::Vector3d::Zero();  // as stated; east, north, up
+
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(stamp_ns, status, latitude_deg, longitude_deg, altitude_m, sigma_enu_m);
+  }
 };
 
 inline constexpr std::string_view kRtkFixed = "RTK_FIXED";
@@ -23,12 +29,22 @@ inline constexpr std::string_view kRtkFixed = "RTK_FIXED";
 struct GridPosition {
   int epsg = 0;
   double easting_m = 0.0, northing_m = 0.0;
+
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(epsg, easting_m, northing_m);
+  }
 };
 
 // A landmark's place as surveyed. Which point of it that is, is unknown.
 struct SurveyedLandmark {
   std::string kind;  // as the survey calls it, such as "large"
   GridPosition position;
+
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(kind, position);
+  }
 };
 
 }  // namespace rigmap

@@ -26,7 +26,7 @@ class PartSummaryTest : public testing::Test {
     ledger_.Put({.name = stage, .listed = listed, .report = std::move(report)});
   }
   Report Written(const std::string& failure = "") const {
-    return Report::parse(WriteSummary(ledger_, request_, failure));
+    return Report::parse(WriteSummary(ledger_, "rig", request_, failure));
   }
 
   Ledger ledger_;

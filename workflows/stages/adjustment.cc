@@ -69,7 +69,9 @@ AdjustedPart AdjustInTurn(const Adjuster& adjuster, const InTurn<StartingFrom>& 
   if (best.adjustment.IsRigCorrected()) best = adjuster.WithItsRig(best);
   const Gates failed = adjuster.Judge(best);
   // With a corrected rig it has started from the odometry already.
-  if (AllPassed(failed) || best.adjustment.IsRigCorrected()) return best;
+  if (AllPassed(failed) || best.adjustment.IsRigCorrected() || ways.otherwise == ways.planned) {
+    return best;
+  }
   AdjustedPart other = adjuster.From(ways.otherwise);
   const bool is_better = AllPassed(adjuster.Judge(other));
   const std::string remark =

@@ -39,15 +39,38 @@ std::vector<TumPose> TruthDuring(const std::vector<TumPose>& estimate, std::vect
 
 }  // namespace
 
+std::vector<fs::path> TruthFiles(const fs::path& truth) {
+  if (!fs::is_directory(truth)) return {truth};
+  std::vector<fs::path> files;
+  for (const auto& entry : fs::directory_iterator(truth)) {
+    fs::path file = entry.path() / "trajectory.tum";
+    if (fs::exists(file)) files.push_back(std::move(file));
+  }
+  std::ranges::sort(files);
+  return files;
+}
+
+std::vector<TumPose> ReadTruth(const fs::path& truth) {
+  std::vector<TumPose> poses;
+  for (const fs::path& file : TruthFiles(truth)) {
+    const std::vector<TumPose> more = ReadTum(file);
+    poses.insert(poses.end(), more.begin(), more.end());
+  }
+  std::ranges::stable_sort(poses, {}, &TumPose::stamp_ns);
+  const auto repeated = std::ranges::unique(poses, {}, &TumPose::stamp_ns);
+  poses.erase(repeated.begin(), repeated.end());
+  return poses;
+}
+
 nlohmann::ordered_json CompareWithTruth(const std::vector<TumPose>& estimate,
                                         const fs::path& truth_tum, const fs::path& map_ply,
                                         const EvaluationOptions& options) {
   const TrajectoryMetrics trajectory = CompareTrajectories(
-      estimate, TruthDuring(estimate, ReadTum(truth_tum), options.max_dt_s), options);
+      estimate, TruthDuring(estimate, ReadTruth(truth_tum), options.max_dt_s), options);
   auto json = ToJson(trajectory);
   if (auto drift = DriftToJson(trajectory); !drift.is_null()) json["drift"] = std::move(drift);
   std::error_code ignored;
-  if (!fs::exists(map_ply, ignored)) return json;
+  if (!fs::exists(map_ply, ignored) || fs::is_directory(truth_tum)) return json;
   const auto truth = ReadMapTruth(truth_tum.parent_path());
   if (!truth) return json;
   const auto truth_from_world = AlignWithTruth(estimate, truth->path, options);
@@ -79,7 +102,7 @@ nlohmann::ordered_json CompareWithSurvey(const SurveyedResult& result,
 std::string DescribeTruth(const Truth& truth) {
   std::string text;
   if (!truth.tum_path.empty()) {
-    text = HashFile(truth.tum_path);
+    for (const fs::path& path : TruthFiles(truth.tum_path)) text += HashFile(path);
     for (const fs::path& path : MapTruthFiles(fs::path(truth.tum_path).parent_path())) {
       text += fmt::format(" {}", HashFile(path));
     }

@@ -18,10 +18,16 @@ namespace rigmap {
 
 // What a result is compared with. No stage before `evaluation` takes it.
 struct Truth {
-  std::string tum_path;  // empty: none
+  std::string tum_path;  // or a folder of parts (TruthFiles); empty: none
   std::vector<GnssFix> fixes;
   std::vector<SurveyedLandmark> surveyed_rocks;
 };
+
+// The TUM files of a truth: the file itself or, of a folder that holds a folder for each part of a
+// traverse, the trajectory.tum of each, all in one frame.
+std::vector<std::filesystem::path> TruthFiles(const std::filesystem::path& truth);
+// Their poses in order of time. Throws DataError as ReadTum.
+std::vector<TumPose> ReadTruth(const std::filesystem::path& truth);
 
 // The keys of trajectory_metrics.h, those of drift in `drift`, of the truth between the first and
 // the last estimated pose; and where `map_ply` exists and the folder of the truth holds a true

@@ -16,9 +16,12 @@
 #include "correspondence/stereo_points.h"
 #include "dense/seen_depths.h"
 #include "pipeline/code_identity.h"
+#include "workflows/stages/joinable.h"
 
 namespace rigmap {
 namespace {
+
+constexpr const char* kJoinable = "joining/depths.bin";
 
 // With fewer keyframes than this all frames are matched.
 constexpr std::ptrdiff_t kFewKeyframes = 3;
@@ -88,19 +91,28 @@ DepthIndex IndexFor(const StereoRig& rig, const SeenDepths& seen, const VoxelOpt
 DepthIndex MatchFrames(const StageContext& context, const Dataset& dataset,
                        const DatasetContent& content, const RigFixedCells& fixed,
                        const StereoRig& rig, const PointsInLeft& points_in_left,
-                       double seen_nearest_m, const DenseRequest& request, DepthIndex index) {
+                       double seen_nearest_m, const DenseRequest& request, DepthIndex index,
+                       const KnownDepths& known = {}) {
   const auto& [options, masks, voxel] = request;
   const double nearest_m = options.min_depth_m > 0.0 ? options.min_depth_m : seen_nearest_m;
   const Camera& camera = rig.left.camera;
   const DenseMatcher matcher(rig, nearest_m, options, masks,
                              fixed.Mask(camera.width, camera.height));
   index.view_mb = matcher.MegabytesPerView();
-  const std::string how = std::string(CodeHere()) + content.rig + DescribeRig(rig) +
-                          std::string(fixed.fixed.begin(), fixed.fixed.end()) +
-                          OptionsText(options) + OptionsText(masks) + std::to_string(nearest_m);
+  index.how = HashText(std::string(CodeHere()) + content.rig + DescribeRig(rig) +
+                       OptionsText(options) + OptionsText(masks));
+  const std::string how =
+      index.how + std::string(fixed.fixed.begin(), fixed.fixed.end()) + std::to_string(nearest_m);
+  std::vector<FrameFile> own;  // not those of parts
+  std::vector<char> is_own;    // per frame of the index
   for (const int frame : index.frames) {
-    index.files.push_back(FrameFileOf("dense", dataset.frames[frame].stamp_ns,
-                                      HashText(how + content.frames[frame])));
+    const std::optional<FrameFile> part = known.FileOf(frame, index.how);
+    is_own.push_back(!part || !HasArtefact(part->In(context.root), part->key));
+    if (is_own.back()) {
+      own.push_back(FrameFileOf("dense", dataset.frames[frame].stamp_ns,
+                                HashText(how + content.frames[frame])));
+    }
+    index.files.push_back(is_own.back() ? own.back() : *part);
   }
   std::vector<std::optional<double>> biases(index.frames.size());
   Progress progress("dense", index.frames.size());
@@ -110,7 +122,7 @@ DepthIndex MatchFrames(const StageContext& context, const Dataset& dataset,
       const FrameFile& file = index.files[i];
       const auto path = file.In(context.root);
       std::optional<DepthMap> depth;
-      if (context.may_reuse) depth = LoadDepth(path, file.key);
+      if (context.may_reuse || !is_own[i]) depth = LoadDepth(path, file.key);
       if (!depth) {
         depth = matcher.Compute(dataset.frames[frame]);
         SaveDepth(path, file.key, *depth);
@@ -120,20 +132,28 @@ DepthIndex MatchFrames(const StageContext& context, const Dataset& dataset,
       progress.Advance();
     });
   });
-  ForgetOlderFrames(context.root, index.files);
+  ForgetOlderFrames(context.root, own);
   index.bias_px = MedianOfKnown(biases);
   return index;
+}
+
+DepthIndex MakeJoinedDepths(const StageContext& context, const Dataset& dataset,
+                            const DatasetContent& content, const FeatureIndex& features,
+                            const PosedPart& part, const KnownDepths& known,
+                            const DenseOptions& options, const MaskOptions& masks,
+                            const VoxelOptions& voxel) {
+  const SeenDepths seen = DepthsSeen(part.rig, part.points_in_left);
+  DepthIndex index = IndexFor(part.rig, seen, voxel);
+  index.frames = DenseFrames(part.trajectory, features, index.voxel_m);
+  return MatchFrames(context, dataset, content, features.rig_fixed, part.rig, part.points_in_left,
+                     seen.nearest_m, {options, masks, voxel}, std::move(index), known);
 }
 
 DepthIndex MakeDepths(const StageContext& context, const Dataset& dataset,
                       const DatasetContent& content, const FeatureIndex& features,
                       const PosedPart& part, const DenseOptions& options, const MaskOptions& masks,
                       const VoxelOptions& voxel) {
-  const SeenDepths seen = DepthsSeen(part.rig, part.points_in_left);
-  DepthIndex index = IndexFor(part.rig, seen, voxel);
-  index.frames = DenseFrames(part.trajectory, features, index.voxel_m);
-  return MatchFrames(context, dataset, content, features.rig_fixed, part.rig, part.points_in_left,
-                     seen.nearest_m, {options, masks, voxel}, std::move(index));
+  return MakeJoinedDepths(context, dataset, content, features, part, {}, options, masks, voxel);
 }
 
 DepthIndex MakeFrameDepths(const StageContext& context, const Dataset& dataset,
@@ -160,6 +180,11 @@ DepthIndex MakeFrameDepths(const StageContext& context, const Dataset& dataset,
                      seen.nearest_m, {options, masks, voxel}, std::move(index));
 }
 
+void PublishDepths(Publication& publication, const StageContext&, const DepthIndex& index,
+                   const Dataset&, const DatasetContent&, const FeatureIndex&, const PosedPart&) {
+  PublishJoinable(publication, kJoinable, CodeHere(), index);
+}
+
 bool AreDepthsThere(const StageContext& context, const DepthIndex& index) {
   return AreThere(context.root, index.files);
 }
@@ -173,6 +198,28 @@ DenseStage DenseMatching() {
               "with its sigma",
           .code = CodeHere(),
           .make = MakeDepths,
+          .publishes = {kJoinable},
+          .publish = PublishDepths,
+          .is_whole = AreDepthsThere};
+}
+
+std::optional<DepthIndex> ReadJoinableDepths(const std::filesystem::path& root) {
+  if (!std::filesystem::exists(root / kJoinable)) return std::nullopt;
+  return ReadJoinable<DepthIndex>(root, kJoinable, CodeHere());
+}
+
+std::optional<FrameFile> KnownDepths::FileOf(int frame, const std::string& how) const {
+  if (of_frames.empty() || !of_frames[frame] || of_frames[frame]->how != how) return std::nullopt;
+  return of_frames[frame]->file;
+}
+
+JoinedDenseStage JoinedDepths() {
+  return {.name = "dense",
+          .about =
+              "depth of each keyframe as its part has found it; anew where the rig was corrected "
+              "since",
+          .code = CodeHere(),
+          .make = MakeJoinedDepths,
           .is_whole = AreDepthsThere};
 }
 

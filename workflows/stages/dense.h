@@ -1,6 +1,7 @@
 // The stage `dense`: each keyframe's depth map, in a file of its own.
 #pragma once
 
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
@@ -23,10 +24,12 @@ struct DepthIndex {
   double voxel_m = 0.0;  // of the map to be made of them
   double view_mb = 0.0;  // what one takes in memory
   double near_m = 0.0;   // distance of near ground
+  // Changes with the rig, code and options that they were made with, whatever the frames.
+  std::string how;
 
   template <class Archive>
   void serialize(Archive& archive) {
-    archive(frames, files, bias_px, voxel_m, view_mb, near_m);
+    archive(frames, files, bias_px, voxel_m, view_mb, near_m, how);
   }
 };
 
@@ -34,6 +37,33 @@ struct DepthIndex {
 using DenseStage = Stage<DepthIndex, Takes<Dataset, DatasetContent, FeatureIndex, PosedPart>,
                          Reads<DenseOptions, MaskOptions, VoxelOptions>>;
 DenseStage DenseMatching();
+
+// As the stage has left it in a part's folder; nothing where the part ended before it. Throws
+// DataError (joinable.h).
+std::optional<DepthIndex> ReadJoinableDepths(const std::filesystem::path& root);
+
+// Depth maps that parts have made, by frames of the data set that joins them.
+struct KnownDepths {
+  struct Known {
+    FrameFile file;   // relative to the output folder of the whole
+    std::string how;  // DepthIndex::how
+
+    template <class Archive>
+    void serialize(Archive& archive) {
+      archive(file, how);
+    }
+  };
+  std::vector<std::optional<Known>> of_frames;
+
+  // Nothing where there is none, or one made in another way.
+  std::optional<FrameFile> FileOf(int frame, const std::string& how) const;
+};
+
+// The same name where parts are joined.
+using JoinedDenseStage =
+    Stage<DepthIndex, Takes<Dataset, DatasetContent, FeatureIndex, PosedPart, KnownDepths>,
+          Reads<DenseOptions, MaskOptions, VoxelOptions>>;
+JoinedDenseStage JoinedDepths();
 
 // The same name for a technique that needs depth before it has poses: of every frame that can be
 // read, as near as the stereo matches of its features say.

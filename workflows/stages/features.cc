@@ -7,9 +7,12 @@
 #include "core/progress.h"
 #include "core/statistics.h"
 #include "pipeline/code_identity.h"
+#include "workflows/stages/joinable.h"
 
 namespace rigmap {
 namespace {
+
+constexpr const char* kJoinable = "joining/frames.bin";
 
 // As kept, or found now and kept.
 FrameFeatures FeaturesOf(const StereoFrame& frame, const FrameFile& file, const FeatureSetup& setup,
@@ -30,7 +33,8 @@ FeatureIndex MakeFeatures(const StageContext& context, const Dataset& dataset,
   const std::string how =
       std::string(CodeHere()) + content.rig + OptionsText(options) + OptionsText(masks);
   const std::size_t count = dataset.frames.size();
-  FeatureIndex index;
+  FeatureIndex index{
+      .how = HashText(std::string(CodeHere()) + OptionsText(options) + OptionsText(masks))};
   for (std::size_t i = 0; i < count; ++i) {
     index.files.push_back(
         FrameFileOf("features", dataset.frames[i].stamp_ns, HashText(how + content.frames[i])));
@@ -66,6 +70,18 @@ Report ReportFeatures(const FeatureIndex& index, const Dataset&, const DatasetCo
   return {{"health", {{"unreadable_images", index.unreadable_images}}}};
 }
 
+void PublishFeatures(Publication& publication, const StageContext&, const FeatureIndex& index,
+                     const Dataset& dataset, const DatasetContent& content) {
+  StereoRig rig = dataset.rig;
+  if (dataset.rig_pool) {
+    rig = dataset.rig_pool->start;
+    rig.left.mask_path = dataset.rig.left.mask_path;
+    rig.right.mask_path = dataset.rig.right.mask_path;
+  }
+  PublishJoinable(publication, kJoinable, CodeHere(),
+                  JoinableFrames{dataset, std::move(rig), content, index});
+}
+
 bool AreFeaturesThere(const StageContext& context, const FeatureIndex& index) {
   return AreThere(context.root, index.files);
 }
@@ -79,8 +95,14 @@ FeaturesStage Features() {
               "sky and what belongs to the rover left out",
           .code = CodeHere(),
           .make = MakeFeatures,
+          .publishes = {kJoinable},
+          .publish = PublishFeatures,
           .is_whole = AreFeaturesThere,
           .report = ReportFeatures};
+}
+
+JoinableFrames ReadJoinableFrames(const std::filesystem::path& root) {
+  return ReadJoinable<JoinableFrames>(root, kJoinable, CodeHere());
 }
 
 FeatureStore OpenFeatures(const StageContext& context, const FeatureIndex& index) {

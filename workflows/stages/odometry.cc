@@ -4,9 +4,12 @@
 
 #include "core/progress.h"
 #include "pipeline/code_identity.h"
+#include "workflows/stages/joinable.h"
 
 namespace rigmap {
 namespace {
+
+constexpr const char* kJoinable = "joining/odometry.bin";
 
 Odometry MakeOdometry(const StageContext&, const Dataset& dataset, const FeatureStore& features,
                       const OdometryOptions& options) {
@@ -16,6 +19,11 @@ Odometry MakeOdometry(const StageContext&, const Dataset& dataset, const Feature
 Report ReportOdometry(const Odometry& odometry, const Dataset&, const FeatureStore&) {
   return {
       {"frames", {{"keyframes", std::ranges::count(odometry, true, &OdometryFrame::keyframe)}}}};
+}
+
+void PublishOdometry(Publication& publication, const StageContext&, const Odometry& odometry,
+                     const Dataset&, const FeatureStore&) {
+  PublishJoinable(publication, kJoinable, CodeHere(), odometry);
 }
 
 }  // namespace
@@ -37,7 +45,13 @@ OdometryStage VisualOdometry() {
           "metric motion with covariance from keyframe to frame; keyframes; a pose for every frame",
       .code = CodeHere(),
       .make = MakeOdometry,
+      .publishes = {kJoinable},
+      .publish = PublishOdometry,
       .report = ReportOdometry};
+}
+
+Odometry ReadJoinableOdometry(const std::filesystem::path& root) {
+  return ReadJoinable<Odometry>(root, kJoinable, CodeHere());
 }
 
 }  // namespace rigmap

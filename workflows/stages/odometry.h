@@ -1,6 +1,8 @@
 // The stage `odometry`.
 #pragma once
 
+#include <filesystem>
+
 #include "features/feature_store.h"
 #include "odometry/track_frames.h"
 #include "pipeline/stage.h"
@@ -10,6 +12,9 @@ namespace rigmap {
 
 using OdometryStage = Stage<Odometry, Takes<Dataset, FeatureStore>, Reads<OdometryOptions>>;
 OdometryStage VisualOdometry();
+
+// As the stage has left it in a part's folder. Throws DataError (joinable.h).
+Odometry ReadJoinableOdometry(const std::filesystem::path& root);
 
 // Poses all frames of the store.
 Odometry TrackAll(const Dataset& dataset, const FeatureStore& features,

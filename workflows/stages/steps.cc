@@ -9,9 +9,29 @@
 namespace rigmap {
 namespace {
 
-// A pose for every frame where these are known, laid on the final trajectory's first posed frame.
-Trajectory Assemble(const Odometry& odometry, std::vector<std::optional<Rigid3>> known,
-                    const Trajectory& final_trajectory) {
+Steps MakeSteps(const StageContext&, const Odometry& odometry, const KeyframeGraph& graph,
+                const AlignedKeyframes& aligned, const AdjustedPart& part) {
+  const std::size_t count = odometry.size();
+  Steps steps{{kStepNames[0],
+               AssembleStep(odometry, std::vector<std::optional<Rigid3>>(count), part.trajectory)}};
+  if (!aligned.models.empty()) {
+    steps.push_back({kStepNames[1],
+                     AssembleStep(odometry, PosesByFrame(aligned, graph, count), part.trajectory)});
+  }
+  steps.push_back({kStepNames[3], part.trajectory});
+  return steps;
+}
+
+void PublishTrajectorySteps(Publication& publication, const StageContext&, const Steps& steps,
+                            const Odometry&, const KeyframeGraph&, const AlignedKeyframes&,
+                            const AdjustedPart&) {
+  PublishSteps(publication, steps);
+}
+
+}  // namespace
+
+Trajectory AssembleStep(const Odometry& odometry, std::vector<std::optional<Rigid3>> known,
+                        const Trajectory& final_trajectory) {
   const int first = FirstPosedFrame(odometry);
   Adjustment poses;
   poses.world_from_left = std::move(known);
@@ -22,22 +42,7 @@ Trajectory Assemble(const Odometry& odometry, std::vector<std::optional<Rigid3>>
                             final_trajectory[first].world_from_left * gauge_from_first.Inverse());
 }
 
-Steps MakeSteps(const StageContext&, const Odometry& odometry, const KeyframeGraph& graph,
-                const AlignedKeyframes& aligned, const AdjustedPart& part) {
-  const std::size_t count = odometry.size();
-  Steps steps{{kStepNames[0],
-               Assemble(odometry, std::vector<std::optional<Rigid3>>(count), part.trajectory)}};
-  if (!aligned.models.empty()) {
-    steps.push_back(
-        {kStepNames[1], Assemble(odometry, PosesByFrame(aligned, graph, count), part.trajectory)});
-  }
-  steps.push_back({kStepNames[2], part.trajectory});
-  return steps;
-}
-
-void PublishSteps(Publication& publication, const StageContext&, const Steps& steps,
-                  const Odometry&, const KeyframeGraph&, const AlignedKeyframes&,
-                  const AdjustedPart&) {
+void PublishSteps(Publication& publication, const Steps& steps) {
   publication.Folder("steps", [&](const std::filesystem::path& folder) {
     for (const Step& step : steps) {
       WriteFileAtomically(folder / (step.name + ".tum"),
@@ -45,8 +50,6 @@ void PublishSteps(Publication& publication, const StageContext&, const Steps& st
     }
   });
 }
-
-}  // namespace
 
 StepsStage TrajectorySteps() {
   return {.name = "steps",
@@ -56,7 +59,7 @@ StepsStage TrajectorySteps() {
           .code = CodeHere(),
           .make = MakeSteps,
           .publishes = {"steps"},
-          .publish = PublishSteps};
+          .publish = PublishTrajectorySteps};
 }
 
 Steps NoSteps(const StageContext&, const PosedPart&) { return {}; }

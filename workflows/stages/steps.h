@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -12,7 +13,7 @@ namespace rigmap {
 
 // The trajectory of the part as it would be if it ended with this step; in the world of the
 // adjusted one, laid on its first posed frame.
-inline constexpr std::array kStepNames{"odometry", "mapping", "adjustment"};
+inline constexpr std::array kStepNames{"odometry", "mapping", "parts", "adjustment"};
 struct Step {
   std::string name;
   Trajectory trajectory;
@@ -24,6 +25,12 @@ struct Step {
 };
 
 using Steps = std::vector<Step>;
+
+// A pose for every frame where these are known, laid on the final trajectory's first posed frame.
+Trajectory AssembleStep(const Odometry& odometry, std::vector<std::optional<Rigid3>> known,
+                        const Trajectory& final_trajectory);
+// steps/<name>.tum of each.
+void PublishSteps(Publication& publication, const Steps& steps);
 
 using StepsStage =
     Stage<Steps, Takes<Odometry, KeyframeGraph, AlignedKeyframes, AdjustedPart>, Reads<>>;

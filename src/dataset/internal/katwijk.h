@@ -29,6 +29,11 @@ std::vector<KatwijkPart> FindKatwijkParts(const std::filesystem::path& folder);
 KatwijkPart SelectKatwijkPart(const std::filesystem::path& folder, std::optional<int> traverse,
                               std::optional<int> part);
 
+// The same with as many parts of one traverse as fit. Throws UsageError, too, where parts of
+// several traverses do.
+std::vector<KatwijkPart> KatwijkPartsThatFit(const std::filesystem::path& folder,
+                                             std::optional<int> traverse, std::optional<int> part);
+
 // Frames and health of a part; the rig is left open. Frames are sorted by parsed stamp and paired
 // by it. Images without a partner or with a stamp that cannot be read go to health.lone_images;
 // damaged ones (IsWholeImage) are named in health.unreadable_images, but paired like any other.

@@ -1,0 +1,208 @@
+// `rigmap plan`, `run` and `join` on the simulated part.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "core/file.h"
+#include "export/tum.h"
+#include "tests/support/temporary_folder.h"
+#include "tests/workflows/rigmap_program.h"
+#include "workflows/stages/joined_parts.h"
+
+namespace rigmap {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+using testing::ElementsAre;
+using testing::EndsWith;
+using testing::HasSubstr;
+
+json ReadJson(const fs::path& path) { return json::parse(ReadTextFile(path)); }
+
+class TraverseTest : public testing::Test {
+ protected:
+  ProgramEnd Run(const std::vector<std::string>& more) {
+    std::vector<std::string> arguments{"run",   "--dataset", SimulatedPartFolder(),
+                                       "--out", out_,        "--quiet"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return RunRigmap(arguments);
+  }
+  ProgramEnd Part(const std::string& frames, const fs::path& out,
+                  const std::vector<std::string>& more = {}) {
+    std::vector<std::string> arguments{
+        "part", "--dataset", SimulatedPartFolder(), "--out",  out, "--frames",
+        frames, "--until",   "adjustment",          "--quiet"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return RunRigmap(arguments);
+  }
+
+  TemporaryFolder folder_;
+  fs::path out_ = folder_.Path() / "whole";
+};
+
+TEST_F(TraverseTest, PartsBecomeOneWorld) {
+  const ProgramEnd first = Run({"--split", "2", "--overlap", "1"});
+  ASSERT_EQ(first.exit_code, 0) << first.err;
+  EXPECT_TRUE(fs::exists(out_ / "parts" / "1.1" / "trajectory.tum"));
+  EXPECT_TRUE(fs::exists(out_ / "parts" / "1.2" / "dense.ply"));
+  const json summary = ReadJson(out_ / "summary.json");
+  EXPECT_EQ(summary["technique"], "join");
+  ASSERT_EQ(summary["parts"].size(), 2U);
+  EXPECT_EQ(summary["parts"][0]["shared_with_earlier"], 0);
+  EXPECT_EQ(summary["parts"][1]["shared_with_earlier"], 1);
+  EXPECT_EQ(summary["worlds"], json::array({json::array({"1.1", "1.2"})}));
+  EXPECT_EQ(ReadTum(out_ / "trajectory.tum").size(), 8U);
+  const json evaluation = ReadJson(out_ / "evaluation.json");
+  EXPECT_LT(evaluation["ate_se3_m"], 0.005);  // over 2.1 m
+  EXPECT_EQ(evaluation["steps"]["parts"]["frames"], 8);
+  EXPECT_TRUE(fs::exists(out_ / "dense.ply"));
+  EXPECT_TRUE(fs::exists(out_ / "posegraph.g2o"));
+
+  // The same again finds everything done, and changes nothing.
+  const std::string before = ReadTextFile(out_ / "trajectory.tum");
+  const ProgramEnd again = Run({"--split", "2", "--overlap", "1"});
+  ASSERT_EQ(again.exit_code, 0) << again.err;
+  EXPECT_EQ(ReadTextFile(out_ / "trajectory.tum"), before);
+  const json stages = ReadJson(out_ / "summary.json")["stages"];
+  for (const json& stage : stages) {
+    if (stage["name"] == "adjustment" || stage["name"] == "fusion") {
+      EXPECT_EQ(stage["reused"], true) << stage;
+    }
+  }
+}
+
+TEST_F(TraverseTest, APartThatIsMissingIsNamedAndTheRestIsJoined) {
+  const fs::path data = CopyOfSimulatedPart(folder_.Path());
+  const ProgramEnd whole = RunRigmap({"run", "--dataset", data, "--split", "2", "--overlap", "1",
+                                      "--out", out_, "--quiet", "--until", "adjustment"});
+  ASSERT_EQ(whole.exit_code, 0) << whole.err;
+  // The second part's images are gone; what was made of them lies elsewhere.
+  fs::remove_all(out_);
+  for (int i = 5; i < 8; ++i) {
+    for (const char* eye : {"left", "right"}) {
+      WriteFileAtomically(data / eye / ("000" + std::to_string(i) + ".png"),
+                          [](std::ostream& stream) { stream << "no image"; });
+    }
+  }
+  const ProgramEnd rest = RunRigmap({"run", "--dataset", data, "--split", "2", "--overlap", "1",
+                                     "--out", out_, "--quiet", "--until", "adjustment"});
+  EXPECT_EQ(rest.exit_code, 3) << rest.err;
+  EXPECT_THAT(rest.err, HasSubstr("NOT TRUSTED"));
+}
+
+TEST_F(TraverseTest, APlanTellsWhatThereIsAndWhatToRun) {
+  const ProgramEnd end = RunRigmap(
+      {"plan", "--dataset", SimulatedPartFolder(), "--split", "2", "--overlap", "1", "--quiet"});
+  ASSERT_EQ(end.exit_code, 0) << end.err;
+  const json plan = json::parse(end.out);
+  EXPECT_EQ(plan["parts"][0]["pairs"], 8);
+  EXPECT_EQ(plan["parts"][0]["gaps"], json::array());
+  ASSERT_EQ(plan["jobs"].size(), 2U);
+  EXPECT_EQ(plan["jobs"][0]["name"], "1.1");
+  EXPECT_EQ(plan["jobs"][0]["arguments"],
+            json({"--dataset", SimulatedPartFolder().string(), "--frames", "0:5"}));
+  EXPECT_EQ(plan["jobs"][1]["arguments"].back(), "4:8");
+  EXPECT_GT(plan["jobs"][0]["minutes"], 0);
+}
+
+TEST_F(TraverseTest, ThePlanAsAScriptForABatchSystemIsOneThatAShellTakes) {
+  const ProgramEnd end = RunRigmap({"plan", "--dataset", SimulatedPartFolder(), "--split", "2",
+                                    "--overlap", "1", "--sbatch", "--set", "dense.blocks=it's"});
+  ASSERT_EQ(end.exit_code, 2);  // no such option
+  const ProgramEnd script = RunRigmap({"plan", "--dataset", SimulatedPartFolder(), "--split", "2",
+                                       "--overlap", "1", "--sbatch", "--quiet"});
+  ASSERT_EQ(script.exit_code, 0) << script.err;
+  EXPECT_THAT(script.out, HasSubstr("#SBATCH --array=0-1\n"));
+  const fs::path file = folder_.Path() / "job.sh";
+  WriteFileAtomically(file, [&](std::ostream& stream) { stream << script.out; });
+  // The task's command, by a program of that name that only tells what it was given.
+  const fs::path bin = folder_.Path() / "bin";
+  fs::create_directories(bin);
+  WriteFileAtomically(bin / "rigmap", [](std::ostream& stream) {
+    stream << "#!/bin/sh\nfor word; do echo \"[$word]\"; done\n";
+  });
+  fs::permissions(bin / "rigmap", fs::perms::owner_all);
+  const ProgramEnd task =
+      RunProgram("/bin/sh", {"-c", "PATH=" + bin.string() + ":$PATH SLURM_ARRAY_TASK_ID=1 OUT=" +
+                                       folder_.Path().string() + "/o bash " + file.string()});
+  ASSERT_EQ(task.exit_code, 0) << task.err;
+  EXPECT_THAT(task.out, HasSubstr("[--frames]\n[4:8]\n"));
+  EXPECT_THAT(task.out, EndsWith("/o/parts/1.2]\n"));
+}
+
+TEST_F(TraverseTest, CutsThatCannotBeAreRefused) {
+  const auto refused = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> arguments{"plan", "--dataset", SimulatedPartFolder()};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const ProgramEnd end = RunRigmap(arguments);
+    EXPECT_EQ(end.exit_code, 2);
+    return end.LastErrorLine();
+  };
+  EXPECT_THAT(refused({"--split", "3"}), HasSubstr("expected at least 63 pairs for 3 jobs"));
+  EXPECT_THAT(refused({"--split", "0"}), HasSubstr("expected 1 or more"));
+  EXPECT_THAT(refused({"--split", "2", "--max-frames", "4"}), HasSubstr("found both"));
+  EXPECT_THAT(refused({"--max-frames", "4"}), HasSubstr("more than twice the overlap"));
+}
+
+TEST_F(TraverseTest, WhatIsNoPartOrOfAnotherRigIsRefusedAndNothingWritten) {
+  const fs::path one = folder_.Path() / "one", other = folder_.Path() / "other";
+  ASSERT_NE(Part("0:5", one).exit_code, 1);
+  fs::create_directories(folder_.Path() / "empty");
+  const ProgramEnd none = RunRigmap({"join", one, folder_.Path() / "empty", "--out", out_});
+  EXPECT_EQ(none.exit_code, 1);
+  EXPECT_THAT(none.LastErrorLine(), HasSubstr("expected a part to be joined"));
+
+  const fs::path rig = folder_.Path() / "rig.yaml";
+  std::string text = ReadTextFile(SimulatedPartFolder() / "calib.yaml");
+  text.replace(text.find("fx: "), 5, "fx: 3");
+  WriteFileAtomically(rig, [&](std::ostream& stream) { stream << text; });
+  ASSERT_NE(Part("4:8", other, {"--rig", rig}).exit_code, 2);
+  const ProgramEnd wrong = RunRigmap({"join", one, other, "--out", out_});
+  EXPECT_EQ(wrong.exit_code, 1);
+  EXPECT_THAT(wrong.LastErrorLine(), HasSubstr("expected the rig of"));
+  EXPECT_FALSE(fs::exists(out_));
+}
+
+// Frames 0 to 5 of two parts; the odometry tells the step from 2 to 3 or does not.
+struct TwoParts {
+  JoinedParts parts;
+  AdjustedPart whole;
+
+  explicit TwoParts(bool tied) {
+    parts.parts = {{"a", 3, 0, "ok", {}}, {"b", 3, 0, "ok", {}}};
+    parts.first_part = {0, 0, 0, 1, 1, 1};
+    for (int i = 0; i < 6; ++i) {
+      const bool starts = i == 0 || (i == 3 && !tied);
+      whole.odometry.push_back(
+          {.stamp_ns = i,
+           .reference = starts ? i : i - 1,
+           .source = i == 3 && !tied ? PoseSource::kPredicted : PoseSource::kOdometry});
+    }
+    whole.adjustment.world_from_left.resize(6);
+    whole.adjustment.datum_frames = {0, 1, 2, 3, 4, 5};
+  }
+};
+
+TEST(JoinGates, PartsThatNothingTiesAreTwoWorlds) {
+  const TwoParts tied(true), apart(false);
+  const Report good = JoinGates().make(tied.parts, tied.whole);
+  EXPECT_EQ(good["worlds"], Report::array({Report::array({"a", "b"})}));
+  EXPECT_EQ(good["gates"][0]["passed"], true);
+  const Report bad = JoinGates().make(apart.parts, apart.whole);
+  EXPECT_EQ(bad["worlds"].size(), 2U);
+  EXPECT_EQ(bad["gates"][0]["passed"], false);
+  EXPECT_THAT(bad["gates"][0]["why"].get<std::string>(), HasSubstr("a | b"));
+}
+
+TEST(JoinGates, APartThatIsMissingIsAGate) {
+  TwoParts two(true);
+  two.parts.missing = {"part c failed: no images"};
+  const Report report = JoinGates().make(two.parts, two.whole);
+  EXPECT_EQ(report["gates"][1]["passed"], false);
+  EXPECT_EQ(report["gates"][1]["why"], "part c failed: no images");
+}
+
+}  // namespace
+}  // namespace rigmap

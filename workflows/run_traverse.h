@@ -1,0 +1,23 @@
+// `rigmap run`: a traverse's parts, one after the other, joined into one world.
+#pragma once
+
+#include <filesystem>
+
+#include "workflows/part_request.h"
+#include "workflows/reconstruct_part.h"
+#include "workflows/traverse_plan.h"
+
+namespace rigmap {
+
+struct RunRequest {
+  PlanRequest plan;
+  PartRequest part;  // how each part is done; its dataset, out and truth are those of the whole
+};
+
+// Leaves each part in part.out/parts/<name>, the plan in part.out/plan.json and the whole, as
+// JoinParts does, in part.out. A part that fails is named, and the others are joined without it;
+// the result is then not trusted. Throws UsageError and DataError as PlanTraverse and JoinParts,
+// and DataError where no part can be done.
+PartResult RunTraverse(const RunRequest& request);
+
+}  // namespace rigmap

@@ -1,0 +1,168 @@
+#include "workflows/traverse_plan.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/error.h"
+#include "core/stamp.h"
+#include "core/statistics.h"
+
+namespace rigmap {
+namespace {
+
+// A step longer than so many usual ones is a gap: the next may be late, but not by two frames.
+constexpr double kGapSteps = 2.5;
+
+double Seconds(StampNs stamp_ns) { return 1e-9 * static_cast<double>(stamp_ns); }
+
+void FindGaps(const std::vector<StereoFrame>& frames, PartData& findings) {
+  std::vector<double> steps;
+  for (std::size_t i = 1; i < frames.size(); ++i) {
+    steps.push_back(Seconds(frames[i].stamp_ns - frames[i - 1].stamp_ns));
+  }
+  if (steps.empty()) return;
+  findings.interval_s = Median(steps);
+  for (std::size_t i = 0; i < steps.size(); ++i) {
+    if (steps[i] > kGapSteps * findings.interval_s) {
+      findings.gaps.emplace_back(static_cast<int>(i), steps[i]);
+    }
+  }
+}
+
+PartData Examine(const Dataset& dataset, std::string name) {
+  const Camera& camera = dataset.rig.left.camera;
+  const DatasetHealth& health = dataset.health;
+  PartData findings{
+      .name = std::move(name),
+      .pairs = static_cast<int>(dataset.frames.size()),
+      .first_s = Seconds(dataset.frames.front().stamp_ns),
+      .last_s = Seconds(dataset.frames.back().stamp_ns),
+      .lone_images = static_cast<int>(health.lone_images.size()),
+      .unreadable_images = static_cast<int>(health.unreadable_images.size()),
+      .inclinometer = static_cast<int>(dataset.inclinometer.size()),
+      .wheels = static_cast<int>(dataset.wheels.samples.size()),
+      .inertial = static_cast<int>(dataset.inertial.samples.size()),
+      .fixes = static_cast<int>(dataset.fixes.size()),
+      .rtk_fixed = static_cast<int>(std::ranges::count(dataset.fixes, kRtkFixed, &GnssFix::status)),
+      .surveyed_rocks = static_cast<int>(dataset.surveyed_landmarks.size()),
+      .format = std::string(Name(dataset.format)),
+      .rig = dataset.rig.source,
+      .width = camera.width,
+      .height = camera.height,
+      .baseline_m = dataset.rig.Baseline(),
+      .remarks = health.remarks};
+  for (const std::string& problem : {dataset.wheels.problem, dataset.inertial.problem}) {
+    if (!problem.empty() && !std::ranges::count(findings.remarks, problem)) {
+      findings.remarks.push_back(problem);
+    }
+  }
+  FindGaps(dataset.frames, findings);
+  return findings;
+}
+
+std::string PartName(const DatasetRequest& part) {
+  return part.part ? std::to_string(*part.part) : "1";
+}
+
+// How many jobs each part becomes: `split` in all, the longest cut first.
+std::vector<int> PiecesOf(const std::vector<PartData>& parts, const PlanRequest& request) {
+  std::vector<int> pieces(parts.size(), 1);
+  for (std::size_t p = 0; p < parts.size() && request.max_frames; ++p) {
+    pieces[p] = (parts[p].pairs + *request.max_frames - 1) / *request.max_frames;
+  }
+  if (!request.split) return pieces;
+  if (*request.split < std::ssize(parts)) {
+    throw UsageError(fmt::format("--split {}: expected at least {}, the number of parts found",
+                                 *request.split, parts.size()));
+  }
+  const auto length = [&](std::size_t p) {
+    return static_cast<double>(parts[p].pairs) / pieces[p];
+  };
+  pieces.assign(parts.size(), 1);
+  for (auto more = *request.split - std::ssize(parts); more > 0; --more) {
+    std::size_t longest = 0;
+    for (std::size_t p = 1; p < parts.size(); ++p) {
+      if (length(p) > length(longest)) longest = p;
+    }
+    ++pieces[longest];
+  }
+  return pieces;
+}
+
+// Cuts a part into equal pieces, of which each reaches into the next by the overlap.
+void AddJobs(const DatasetRequest& part, const PartData& findings, int pieces,
+             const PlanRequest& request, std::vector<PartJob>& jobs) {
+  const double megapixels = 1e-6 * findings.width * findings.height;
+  const std::string folder = part.folder.string();
+  if (pieces == 1) {
+    jobs.push_back({PartName(part), part, findings.pairs, megapixels, folder});
+    return;
+  }
+  // A job must have frames of its own beside those that it shares at both ends.
+  const int least = pieces * (2 * request.overlap + 1);
+  if (findings.pairs < least) {
+    throw UsageError(fmt::format(
+        "--split: expected at least {} pairs for {} jobs that share {} frames, found {} in part {}",
+        least, pieces, request.overlap, findings.pairs, findings.name));
+  }
+  const int first = part.frames ? part.frames->first : 0;
+  const int digits = static_cast<int>(std::to_string(pieces).size());
+  for (int i = 0; i < pieces; ++i) {
+    const int begin = static_cast<int>(std::int64_t{findings.pairs} * i / pieces);
+    const int next = static_cast<int>(std::int64_t{findings.pairs} * (i + 1) / pieces);
+    const int end = std::min(findings.pairs, next + (i + 1 < pieces ? request.overlap : 0));
+    PartJob job{fmt::format("{}.{:0{}}", PartName(part), i + 1, digits), part, end - begin,
+                megapixels, folder};
+    job.dataset.frames = {first + begin, first + end};
+    jobs.push_back(std::move(job));
+  }
+}
+
+}  // namespace
+
+TraversePlan PlanTraverse(const PlanRequest& request) {
+  if (request.overlap < 1) {
+    throw UsageError(fmt::format("--overlap: expected 1 or more, found {}", request.overlap));
+  }
+  if (request.split && request.max_frames) {
+    throw UsageError("--split and --max-frames: expected one of them, found both");
+  }
+  if (request.max_frames && *request.max_frames <= 2 * request.overlap) {
+    throw UsageError(
+        fmt::format("--max-frames: expected more than twice the overlap of {}, found {}",
+                    request.overlap, *request.max_frames));
+  }
+  TraversePlan plan;
+  const std::vector<DatasetRequest> parts = PartsOf(request.dataset);
+  for (const DatasetRequest& part : parts) {
+    plan.parts.push_back(Examine(OpenDataset(part), PartName(part)));
+  }
+  const std::vector<int> pieces = PiecesOf(plan.parts, request);
+  for (std::size_t p = 0; p < parts.size(); ++p) {
+    AddJobs(parts[p], plan.parts[p], pieces[p], request, plan.jobs);
+  }
+  return plan;
+}
+
+double EstimatedSeconds(const PartJob& job, int threads) {
+  // Seconds of one thread for a pair of one megapixel, from the rendered and the real drives; small
+  // images cost somewhat more each.
+  constexpr double kPerMegapixel = 2.2, kPerPair = 0.3, kOnce = 5.0;
+  return kOnce + job.pairs * (kPerPair + kPerMegapixel * job.megapixels) / threads;
+}
+
+double EstimatedMegabytes(const PartJob& job, int memory_mb) {
+  // Correspondences and sums of the adjustment grow with the pairs; depth is bounded by --memory.
+  constexpr double kProgram = 150.0, kPerPair = 1.0;
+  return std::max<double>(memory_mb, kProgram + kPerPair * job.pairs);
+}
+
+double EstimatedDiskMegabytes(const PartJob& job) {
+  // Features, depth and points of a pair.
+  constexpr double kPerPair = 2.0, kPerMegapixel = 5.0;
+  return job.pairs * (kPerPair + kPerMegapixel * job.megapixels);
+}
+
+}  // namespace rigmap

@@ -1,0 +1,70 @@
+// What a traverse's data are, and the jobs that its parts make.
+#pragma once
+
+#include <filesystem>
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "dataset/open_dataset.h"
+
+namespace rigmap {
+
+struct PlanRequest {
+  DatasetRequest dataset;             // of a traverse: part and frames may be left out
+  std::optional<int> split;           // jobs in all; nothing: one for each part of the data
+  std::optional<int> max_frames;      // of a job, beside those it shares
+  int overlap = 10;                   // frames that jobs cut from one part have in common
+  int threads = 2, memory_mb = 2048;  // of a job
+};
+
+// One `rigmap part`, which needs to know nothing of the others.
+struct PartJob {
+  std::string name;        // of its folder
+  DatasetRequest dataset;  // with its frames, where the part was cut
+  int pairs = 0;
+  double megapixels = 0.0;  // of an image
+  std::string folder;       // of its files, for people
+};
+
+// A part of the data, looked over.
+struct PartData {
+  std::string name;
+  int pairs = 0;
+  double first_s = 0.0, last_s = 0.0, interval_s = 0.0;  // stamps; median from pair to pair
+  std::vector<std::pair<int, double>> gaps;  // the pair before each, and how long it lasts, s
+  int lone_images = 0, unreadable_images = 0;
+  int inclinometer = 0, wheels = 0, inertial = 0, fixes = 0, rtk_fixed = 0;  // samples
+  int surveyed_rocks = 0;
+  std::string format, rig;
+  int width = 0, height = 0;
+  double baseline_m = 0.0;
+  std::vector<std::string> remarks;
+};
+
+struct TraversePlan {
+  std::vector<PartData> parts;
+  std::vector<PartJob> jobs;  // in order of time
+};
+
+// Reads all but the pixels. Throws as OpenDataset, and UsageError for a split that cannot be.
+TraversePlan PlanTraverse(const PlanRequest& request);
+
+// Seconds with `threads`, and megabytes, that a job will need: from what was measured
+// (docs/measured.md).
+double EstimatedSeconds(const PartJob& job, int threads);
+double EstimatedMegabytes(const PartJob& job, int memory_mb);
+// What it will leave on the disk.
+double EstimatedDiskMegabytes(const PartJob& job);
+
+// {dataset, parts, jobs: [{name, arguments, pairs, threads, memory_mb, minutes, disk_mb}], total}.
+// `arguments` are those of `rigmap part` but for --out.
+nlohmann::ordered_json ToJson(const TraversePlan& plan, const PlanRequest& request);
+
+// A script for sbatch: an array with a task for each job, which writes to OUT/parts/NAME.
+std::string WriteSbatch(const TraversePlan& plan, const PlanRequest& request,
+                        const std::vector<std::string>& part_arguments);
+
+}  // namespace rigmap

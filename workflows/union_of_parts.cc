@@ -1,0 +1,230 @@
+#include "workflows/union_of_parts.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "core/error.h"
+#include "core/file.h"
+#include "export/tum.h"
+
+namespace rigmap {
+namespace {
+
+namespace fs = std::filesystem;
+
+// A part's folder, opened.
+struct OpenedPart {
+  fs::path root;  // absolute
+  JoinableFrames frames;
+  Odometry odometry;
+  std::optional<DepthIndex> depths;
+  std::string status;
+  std::vector<TumPose> trajectory;  // empty: none
+
+  const std::vector<StereoFrame>& Stereo() const { return frames.dataset.frames; }
+  StampNs FirstStamp() const { return Stereo().front().stamp_ns; }
+};
+
+std::string StatusOf(const fs::path& root) {
+  const fs::path path = root / "summary.json";
+  if (!fs::exists(path)) return "";
+  const auto summary = nlohmann::json::parse(ReadTextFile(path), nullptr, false);
+  return summary.is_object() ? summary.value("status", "") : "";
+}
+
+OpenedPart Open(const fs::path& root) {
+  return {fs::weakly_canonical(root),
+          ReadJoinableFrames(root),
+          ReadJoinableOdometry(root),
+          ReadJoinableDepths(root),
+          StatusOf(root),
+          fs::exists(root / "trajectory.tum") ? ReadTum(root / "trajectory.tum")
+                                              : std::vector<TumPose>()};
+}
+
+void RequireAlike(const OpenedPart& first, const OpenedPart& other) {
+  if (DescribeRig(first.frames.rig) != DescribeRig(other.frames.rig)) {
+    throw DataError(fmt::format("{}: expected the rig of {} ({}), found another ({})",
+                                other.root.string(), first.root.string(), first.frames.rig.source,
+                                other.frames.rig.source));
+  }
+  if (first.frames.features.how != other.frames.features.how) {
+    throw DataError(fmt::format(
+        "{}: expected keypoints found with the same options as those of {}, found others",
+        other.root.string(), first.root.string()));
+  }
+}
+
+// One frame of one part.
+struct PartFrame {
+  int part = 0, frame = 0;
+};
+
+// Puts the parts together frame by frame.
+class Uniter {
+ public:
+  Uniter(const std::vector<OpenedPart>& parts, const fs::path& out) : parts_(parts), out_(out) {
+    for (int p = 0; p < static_cast<int>(parts.size()); ++p) {
+      for (int i = 0; i < std::ssize(parts[p].Stereo()); ++i) frames_.push_back({p, i});
+    }
+    std::ranges::stable_sort(frames_, {}, [&](const PartFrame& f) { return StampOf(f); });
+  }
+
+  UnionOfParts Unite() {
+    result_.dataset.format = parts_.front().frames.dataset.format;
+    result_.dataset.rig = parts_.front().frames.rig;
+    for (const OpenedPart& part : parts_) AddPart(part);
+    for (std::size_t i = 0; i < frames_.size(); ++i) {
+      const bool is_new = i == 0 || StampOf(frames_[i]) != StampOf(frames_[i - 1]);
+      is_new ? AddFrame(frames_[i]) : AddAgain(frames_[i]);
+    }
+    AddSensors();
+    AddTrajectories();
+    return std::move(result_);
+  }
+
+ private:
+  StampNs StampOf(const PartFrame& f) const { return parts_[f.part].Stereo()[f.frame].stamp_ns; }
+  const std::string& ContentOf(const PartFrame& f) const {
+    return parts_[f.part].frames.content.frames[f.frame];
+  }
+  FrameFile FromOut(const OpenedPart& part, const FrameFile& file) const {
+    return {fs::relative(part.root / file.name, out_).string(), file.key};
+  }
+
+  void AddPart(const OpenedPart& part) {
+    const Dataset& dataset = part.frames.dataset;
+    result_.parts.parts.push_back(
+        {part.root.filename().string(), static_cast<int>(dataset.frames.size()), 0, part.status});
+    const auto& px = part.frames.features.epipolar_px;
+    result_.parts.epipolar_px.insert(result_.parts.epipolar_px.end(), px.begin(), px.end());
+    DatasetHealth& health = result_.dataset.health;
+    health.images_read += dataset.health.images_read;
+    const auto append = [](const auto& from, auto& to) {
+      for (const auto& text : from) {
+        if (!std::ranges::count(to, text)) to.push_back(text);
+      }
+    };
+    append(dataset.health.lone_images, health.lone_images);
+    append(dataset.health.unreadable_images, health.unreadable_images);
+    append(dataset.health.remarks, health.remarks);
+    append(part.frames.features.unreadable_images, result_.parts.unreadable_images);
+  }
+
+  void AddFrame(const PartFrame& f) {
+    const OpenedPart& part = parts_[f.part];
+    const int index = static_cast<int>(result_.dataset.frames.size());
+    result_.dataset.frames.push_back(part.Stereo()[f.frame]);
+    result_.contents.push_back(ContentOf(f));
+    result_.parts.first_part.push_back(f.part);
+    result_.parts.features.push_back(FromOut(part, part.frames.features.files[f.frame]));
+    result_.parts.keyframes.push_back(part.odometry[f.frame].keyframe ? 1 : 0);
+    if (std::ranges::binary_search(part.frames.features.unreadable_frames, f.frame)) {
+      result_.parts.unreadable_frames.push_back(index);
+    }
+    result_.depths.of_frames.emplace_back();
+    AddDepth(f);
+  }
+
+  // The frame before it, which an earlier part has as well.
+  void AddAgain(const PartFrame& f) {
+    const OpenedPart& part = parts_[f.part];
+    if (ContentOf(f) != result_.contents.back()) {
+      throw DataError(fmt::format("{}: expected {} as other parts have it, found another image",
+                                  part.root.string(), part.Stereo()[f.frame].left_path));
+    }
+    ++result_.parts.parts[f.part].shared;
+    if (part.odometry[f.frame].keyframe) result_.parts.keyframes.back() = 1;
+    AddDepth(f);
+  }
+
+  void AddDepth(const PartFrame& f) {
+    const OpenedPart& part = parts_[f.part];
+    auto& known = result_.depths.of_frames.back();
+    if (known || !part.depths) return;
+    const auto found = std::ranges::find(part.depths->frames, f.frame);
+    if (found == part.depths->frames.end()) return;
+    const auto& file =
+        part.depths->files[static_cast<std::size_t>(found - part.depths->frames.begin())];
+    known = KnownDepths::Known{FromOut(part, file), part.depths->how};
+  }
+
+  void AddTrajectories() {
+    const auto& frames = result_.dataset.frames;
+    for (std::size_t p = 0; p < parts_.size(); ++p) {
+      for (const TumPose& pose : parts_[p].trajectory) {
+        const auto at = std::ranges::lower_bound(frames, pose.stamp_ns, {}, &StereoFrame::stamp_ns);
+        if (at == frames.end() || at->stamp_ns != pose.stamp_ns) continue;
+        result_.parts.parts[p].world_from_left.emplace_back(static_cast<int>(at - frames.begin()),
+                                                            pose.world_from_body);
+      }
+    }
+  }
+
+  // Parts cut from one drive repeat what was measured around their seams.
+  void AddSensors() {
+    Dataset& d = result_.dataset;
+    for (const OpenedPart& part : parts_) {
+      const Dataset& own = part.frames.dataset;
+      Append(own.inclinometer, d.inclinometer);
+      Append(own.wheels.samples, d.wheels.samples);
+      Append(own.inertial.samples, d.inertial.samples);
+      Append(own.fixes, d.fixes);
+      if (!own.wheels.problem.empty()) d.wheels.problem = own.wheels.problem;
+      if (!own.inertial.problem.empty()) d.inertial.problem = own.inertial.problem;
+      if (d.surveyed_landmarks.empty()) d.surveyed_landmarks = own.surveyed_landmarks;
+    }
+    InOrder(d.inclinometer);
+    InOrder(d.wheels.samples);
+    InOrder(d.inertial.samples);
+    InOrder(d.fixes);
+  }
+
+  template <class Sample>
+  static void Append(const std::vector<Sample>& from, std::vector<Sample>& to) {
+    to.insert(to.end(), from.begin(), from.end());
+  }
+  template <class Sample>
+  static void InOrder(std::vector<Sample>& samples) {
+    std::ranges::stable_sort(samples, {}, &Sample::stamp_ns);
+    const auto repeated = std::ranges::unique(samples, {}, &Sample::stamp_ns);
+    samples.erase(repeated.begin(), repeated.end());
+  }
+
+  const std::vector<OpenedPart>& parts_;
+  fs::path out_;
+  std::vector<PartFrame> frames_;  // of all parts, in order of time
+  UnionOfParts result_;
+};
+
+}  // namespace
+
+FolderMark UnionOfParts::Mark() const {
+  DatasetContent content;
+  content.frames = contents;
+  return MarkOf(dataset, content);
+}
+
+std::string PartName(const fs::path& out) {
+  const fs::path whole = fs::weakly_canonical(out);
+  return whole.has_filename() ? whole.filename().string() : whole.parent_path().filename().string();
+}
+
+UnionOfParts UniteParts(const std::vector<fs::path>& outs, const fs::path& out) {
+  if (outs.empty()) throw UsageError("join: expected folders with parts, found none");
+  std::vector<OpenedPart> parts;
+  for (const fs::path& root : outs) parts.push_back(Open(root));
+  for (const OpenedPart& part : parts) RequireAlike(parts.front(), part);
+  std::ranges::stable_sort(parts, {}, &OpenedPart::FirstStamp);
+  // All parts of a stereo folder come with its truth.
+  UnionOfParts whole = Uniter(parts, fs::weakly_canonical(out)).Unite();
+  const std::string& truth = parts.front().frames.dataset.truth_path;
+  const bool same = std::ranges::all_of(
+      parts, [&](const OpenedPart& part) { return part.frames.dataset.truth_path == truth; });
+  if (same) whole.dataset.truth_path = truth;
+  return whole;
+}
+
+}  // namespace rigmap
