@@ -29,8 +29,9 @@ if command == 'report':
     sys.exit(2)
 if command == 'plan':
     print(json.dumps({'dataset': value('--dataset'), 'jobs': [
-        {'name': name, 'arguments': ['--dataset', value('--dataset'), '--part', name],
-         'threads': 1, 'memory_mb': 700, 'minutes': 5} for name in ('1', '2 b', '3')]}))
+        {'name': name, 'threads': 1, 'memory_mb': 700, 'minutes': 5, 'pairs': 30,
+         'arguments': ['--dataset', value('--dataset'), '--part', name, *frames]}
+        for name, *frames in (('1',), ('2 b', '--frames', '0:40'), ('3', '--frames', '30:70'))]}))
 if command == 'part':
     out = pathlib.Path(value('--out'))
     out.mkdir(parents=True, exist_ok=True)
@@ -103,7 +104,6 @@ class Snakefile(Jobs):
         self.assertEqual(len(parts), 3)
         for row in parts:
             self.assertEqual(row[row.index('--rig') + 1], str(self.out / 'rig.yaml'))
-            self.assertEqual(row[row.index('--memory') + 1], '700')
         joined, = self.calls('join')
         self.assertEqual(joined[1:4], [str(self.out / 'parts' / name) for name in ('1', '2 b', '3')])
         self.assertEqual(len(self.calls('calibrate')), 1)
@@ -114,9 +114,21 @@ class Snakefile(Jobs):
 
     def test_a_part_that_failed_is_tried_again_with_more(self):
         (self.root / 'break 2 b').touch()
-        self.done()
+        said = self.done().stderr
         again = [row for row in self.calls('part') if '2 b' in row and '--until' in row]
-        self.assertEqual([row[row.index('--memory') + 1] for row in again], ['700', '1400'])
+        self.assertEqual(len(again), 2)
+        self.assertIn('mem_mb=1212', said)
+        self.assertIn('mem_mb=2424', said)
+        self.assertIn('runtime=40', said)
+
+    # Those of one part that share frames would count twice.
+    def test_calibrates_by_parts_without_shared_frames(self):
+        self.rigmap.write_text(STAND_IN.replace("'--part', name, ", "'--part', '7', ").replace(
+            "('1',)", "('1', '--frames', ':35')"))
+        self.done()
+        calibrated, = self.calls('calibrate')
+        self.assertEqual(calibrated[1:-2], [str(self.out / 'parts/1')])
+        self.assertEqual(len(self.calls('join')[0]), 6)
 
     def test_where_no_part_tells_of_the_rig_it_stays_as_given(self):
         (self.root / 'untold').touch()
