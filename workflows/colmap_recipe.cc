@@ -13,7 +13,8 @@ StageGraph ColmapRecipe(const Dataset& data, const DatasetContent& data_content,
     throw UsageError("mapping.method: expected a way to map for the technique colmap, found none");
   }
   StageGraph g;
-  const auto [dataset, content, truth, colmap] = AddPartInputs(g, data, data_content, o.colmap);
+  const auto [dataset, content, truth, fixes, colmap] =
+      AddPartInputs(g, data, data_content, o.colmap);
 
   // verified correspondences -> COLMAP's database -> poses in COLMAP's gauge -> metres
   const auto keyframes = AddMappedKeyframes(g, o, {dataset, content, colmap});
@@ -28,7 +29,7 @@ StageGraph ColmapRecipe(const Dataset& data, const DatasetContent& data_content,
   const auto posed = g.AddView(PosedByAdjustment, dataset, part);
 
   // depth of the keyframes, fused on the poses -> coloured map, judged
-  AddSurface(g, o, {dataset, content, truth, keyframes.found, posed, gates});
+  AddSurface(g, o, {dataset, content, truth, fixes, keyframes.found, posed, gates});
   return g;
 }
 

@@ -12,7 +12,8 @@ namespace rigmap {
 StageGraph IcpRecipe(const Dataset& data, const DatasetContent& data_content,
                      const PartOptions& o) {
   StageGraph g;
-  const auto [dataset, content, truth, colmap] = AddPartInputs(g, data, data_content, o.colmap);
+  const auto [dataset, content, truth, fixes, colmap] =
+      AddPartInputs(g, data, data_content, o.colmap);
 
   // images -> what to compare with, and to begin from if asked for
   const auto found = g.AddStage(Features(), Reading(o.features, o.masks), dataset, content);
@@ -37,7 +38,7 @@ StageGraph IcpRecipe(const Dataset& data, const DatasetContent& data_content,
   const auto posed = g.AddView(PosedByOdometry, dataset, part);
 
   // the same clouds, merged -> coloured map, judged
-  const SurfaceInputs surface{dataset, content, truth, found, posed, gates};
+  const SurfaceInputs surface{dataset, content, truth, fixes, found, posed, gates};
   const auto depth_gates = AddDepthProducts(g, o, surface, depths);
   const auto map = g.AddStage(CloudMerging(), Reading(o.clouds, o.merging), dataset, posed, depths);
   AddMapProducts(g, o, surface, depth_gates, map);

@@ -50,7 +50,7 @@ StageGraph JoinRecipe(const Dataset& data, const DatasetContent& data_content,
                       const JoinedParts& joined_parts, const KnownDepths& part_depths,
                       const std::optional<SplitFixes>& tie_to, const PartOptions& o) {
   StageGraph g;
-  const auto [dataset, content, truth, colmap] = AddPartInputs(g, data, data_content, o.colmap);
+  const auto [dataset, content, truth, fixes, colmap] = AddPartInputs(g, data, data_content, o.colmap);
   const auto open_parts = [joined_parts] { return std::pair(KeyOf(joined_parts), joined_parts); };
   const auto open_depths = [part_depths] { return std::pair(KeyOf(part_depths), part_depths); };
   const auto parts = g.AddSource<JoinedParts>("parts", open_parts, ReportParts);
@@ -86,7 +86,7 @@ StageGraph JoinRecipe(const Dataset& data, const DatasetContent& data_content,
   const auto posed = g.AddView(PosedByAdjustment, dataset, final_part);
   const auto steps = g.AddStage(JoinedSteps(), Reading(), odometry, adjusted, parts);
 
-  const SurfaceInputs in{dataset, content, truth, found, posed, gates, steps};
+  const SurfaceInputs in{dataset, content, truth, fixes, found, posed, gates, steps};
   const auto depths = g.AddStage(JoinedDepths(), Reading(o.dense, o.masks, o.voxel), dataset,
                                  content, found, posed, known_depths);
   const auto depth_gates = AddDepthProducts(g, o, in, depths);

@@ -13,10 +13,12 @@
 #include "evaluation/rock_segmentation.h"
 #include "evaluation/rock_survey.h"
 #include "evaluation/trajectory_metrics.h"
+#include "export/las_options.h"
 #include "features/corner_tracker.h"
 #include "features/feature_options.h"
 #include "fusion/fusion_options.h"
 #include "gates/gates.h"
+#include "georeference/earth_fit.h"
 #include "georeference/rtk_alignment.h"
 #include "imaging/depth_map_options.h"
 #include "imaging/mask.h"
@@ -54,9 +56,12 @@ struct PartOptions {
   VoxelOptions voxel;          // in the section of fusion
   FusionOptions fusion;
   RasterOptions raster;
-  PictureOptions pictures;  // in the section of raster
+  FootprintOptions terrain;  // in the section of raster, as the next
+  PictureOptions pictures;   // in the section of raster
   EvaluationOptions evaluation;
   RtkAlignmentOptions georeference;
+  EarthFitOptions earth;  // in the section of georeference, as the next
+  LasOptions las;
   RockSegmentationOptions rocks;
   RockSurveyOptions rock_survey;  // in the section of rocks
   GateOptions gates;

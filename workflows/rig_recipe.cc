@@ -10,7 +10,8 @@ namespace rigmap {
 StageGraph RigRecipe(const Dataset& data, const DatasetContent& data_content,
                      const PartOptions& o) {
   StageGraph g;
-  const auto [dataset, content, truth, colmap] = AddPartInputs(g, data, data_content, o.colmap);
+  const auto [dataset, content, truth, fixes, colmap] =
+      AddPartInputs(g, data, data_content, o.colmap);
 
   // verified correspondences -> COLMAP's database -> poses in COLMAP's gauge -> metres
   const auto [found, features, odometry, matches, graph, models, aligned] =
@@ -33,7 +34,7 @@ StageGraph RigRecipe(const Dataset& data, const DatasetContent& data_content,
   const auto steps = g.AddStage(TrajectorySteps(), Reading(), odometry, graph, aligned, adjusted);
 
   // depth of the keyframes, fused on the poses -> coloured map, judged
-  AddSurface(g, o, {dataset, content, truth, found, posed, gates, steps});
+  AddSurface(g, o, {dataset, content, truth, fixes, found, posed, gates, steps});
   return g;
 }
 

@@ -18,7 +18,7 @@ void AddRoverSurface(StageGraph& g, const PartOptions& o, const PartInputs& in,
       check, Reading(o.gates.mapping, o.gates.poses, o.gates.adjustment, o.gates.calibration),
       in.dataset, found, steps, part);
   const auto posed = g.AddView(PosedByRover, in.dataset, rover);
-  AddSurface(g, o, {in.dataset, in.content, in.truth, found, posed, gates});
+  AddSurface(g, o, {in.dataset, in.content, in.truth, in.fixes, found, posed, gates});
 }
 
 }  // namespace

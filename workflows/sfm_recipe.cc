@@ -47,7 +47,8 @@ StageGraph CombinedRecipe(const Dataset& data, const DatasetContent& content,
   const auto found =
       g.AddStage(Features(), Reading(o.features, o.masks), free.in.dataset, free.in.content);
   AddSurface(g, o,
-             {free.in.dataset, free.in.content, free.in.truth, found, free.posed, free.gates});
+             {free.in.dataset, free.in.content, free.in.truth, free.in.fixes, found, free.posed,
+              free.gates});
   return g;
 }
 

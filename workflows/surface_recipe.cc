@@ -3,6 +3,8 @@
 #include "workflows/stages/depth_maps.h"
 #include "workflows/stages/evaluation.h"
 #include "workflows/stages/gates.h"
+#include "workflows/stages/georeference.h"
+#include "workflows/stages/las.h"
 #include "workflows/stages/raster.h"
 #include "workflows/stages/views.h"
 
@@ -25,7 +27,10 @@ Node<Report> AddDepthProducts(StageGraph& g, const PartOptions& o, const Surface
 void AddMapProducts(StageGraph& g, const PartOptions& o, const SurfaceInputs& in,
                     Node<Report> depth_gates, Node<FusedMap> map) {
   const auto warning = g.AddView(WarningByGates, in.gates, depth_gates);
-  g.AddStage(Rasters(), Reading(o.raster), map, warning);
+  const auto earth = g.AddStage(GeoreferenceStage(), Reading(o.georeference, o.earth, o.rocks),
+                                in.dataset, in.fixes, in.posed, map, warning);
+  g.AddStage(Rasters(), Reading(o.raster, o.terrain), in.posed, map, warning, earth);
+  g.AddStage(LasFile(), Reading(o.las), map, warning, earth);
   g.AddStage(Pictures(), Reading(o.pictures), in.posed, map, warning);
   const auto steps = in.steps ? *in.steps : g.AddView(NoSteps, in.posed);
   g.AddStage(Evaluation(), Reading(o.evaluation, o.georeference, o.rocks, o.rock_survey),

@@ -17,13 +17,14 @@ struct SurfaceInputs {
   Node<Dataset> dataset;
   Node<DatasetContent> content;
   Node<Truth> truth;
+  Node<Fixes> fixes;
   Node<FeatureIndex> features;
   Node<PosedPart> posed;
   Node<Report> gates;                     // of the poses
   std::optional<Node<Steps>> steps = {};  // that led to them
 };
 
-// Adds dense, fusion, raster, views and evaluation.
+// Adds dense, fusion, georeference, raster, las, views and evaluation.
 void AddSurface(StageGraph& graph, const PartOptions& options, const SurfaceInputs& inputs);
 
 // Adds evaluation alone, for techniques that make no map.

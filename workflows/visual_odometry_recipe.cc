@@ -20,7 +20,7 @@ void AddOdometricPart(StageGraph& g, const PartOptions& o, const PartInputs& in,
                  Reading(o.gates.mapping, o.gates.poses, o.gates.adjustment, o.gates.calibration),
                  in.dataset, found, odometry, part);
   const auto posed = g.AddView(PosedByOdometry, in.dataset, part);
-  AddSurface(g, o, {in.dataset, in.content, in.truth, found, posed, gates});
+  AddSurface(g, o, {in.dataset, in.content, in.truth, in.fixes, found, posed, gates});
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include <numbers>
 
 #include "core/statistics.h"
+#include "export/ply_reader.h"
 
 namespace rigmap {
 namespace {
@@ -152,6 +153,15 @@ RockSegmentation SegmentRocks(const HeightGrid& grid, const RockSegmentationOpti
   }
   std::ranges::stable_sort(segmentation.rocks, std::ranges::greater(), &SegmentedRock::height_m);
   return segmentation;
+}
+
+RockSegmentation SegmentRocksIn(const std::filesystem::path& ply,
+                                const RockSegmentationOptions& options) {
+  HeightGrid grid;
+  PlyReader reader(ply);
+  PointCloud block;
+  while (reader.Read(block)) grid.Add(block);
+  return SegmentRocks(grid, options);
 }
 
 RockSegmentation SegmentRocks(const PointCloud& cloud, const RockSegmentationOptions& options) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <filesystem>
 #include <vector>
 
 #include "core/options.h"
@@ -39,6 +40,9 @@ struct RockSegmentation {
 // Cells above the ground, put together across gaps of a cell. A lone high point among low ones
 // makes no top. Rocks that touch become one. Throws UsageError for options out of range.
 RockSegmentation SegmentRocks(const HeightGrid& grid, const RockSegmentationOptions& options = {});
+// Of a PLY file, block by block; throws DataError naming it.
+RockSegmentation SegmentRocksIn(const std::filesystem::path& ply,
+                                const RockSegmentationOptions& options = {});
 RockSegmentation SegmentRocks(const PointCloud& cloud, const RockSegmentationOptions& options = {});
 
 }  // namespace rigmap

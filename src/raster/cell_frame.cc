@@ -54,12 +54,13 @@ void ForEachShown(const GriddedCloud& cloud, const std::function<void(const Surf
   });
 }
 
-CellFrame FrameOf(const GriddedCloud& cloud) {
+CellFrame FrameOf(const GriddedCloud& cloud, const std::optional<GridFrame>& grid) {
   const std::filesystem::path& ply = cloud.ply;
   const double cell_m = cloud.cell_m;
   Eigen::AlignedBox2d bounds;
   ForEachShown(cloud, [&](const SurfacePoint& point) {
-    bounds.extend(point.x_in_world.head<2>().cast<double>());
+    const Eigen::Vector2d x_in_world = point.x_in_world.head<2>().cast<double>();
+    bounds.extend(grid ? grid->grid_from_world * x_in_world : x_in_world);
   });
   if (bounds.isEmpty()) {
     throw DataError(fmt::format("{}: expected points, found none", ply.string()));

@@ -1,12 +1,15 @@
-// Where the cells of a map lie in world, and how the map is cut into tiles.
+// Where the cells of a map lie, in the world or on a grid of the Earth, and how the map is cut into
+// tiles.
 #pragma once
 
 #include <Eigen/Core>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 
+#include "georeference/earth_frame.h"
 #include "scene/point_cloud.h"
 
 namespace rigmap {
@@ -17,14 +20,14 @@ struct CellFrame {
   static constexpr int kTileCells = 512;  // side of a tile
 
   double cell_m = 0.0;
-  std::int64_t west = 0;   // of column 0, in cells from the world's origin
+  std::int64_t west = 0;   // of column 0, in cells from the origin of world or grid
   std::int64_t north = 0;  // of row 0: its cells reach from y = north cells up to north + 1
   int columns = 0;
   int rows = 0;
 
   int Column(double x_m) const;
   int Row(double y_m) const;
-  // World's x and y of the upper left corner of the upper left cell.
+  // x and y of the upper left corner of the upper left cell.
   Eigen::Vector2d UpperLeft() const;
 
   int TilesAcross() const { return (columns + kTileCells - 1) / kTileCells; }
@@ -47,9 +50,10 @@ struct GriddedCloud {
 inline constexpr double kMostCells = 8.0;
 void ForEachShown(const GriddedCloud& cloud, const std::function<void(const SurfacePoint&)>& take);
 
-// The smallest frame that holds all points of a cloud that are shown. Throws DataError naming the
+// The smallest frame that holds all points of a cloud that are shown, in the world or on `grid`.
+// Throws DataError naming the
 // file for a cloud that cannot be read or has no such point, and for one whose map would have more
 // than 1e11 cells.
-CellFrame FrameOf(const GriddedCloud& cloud);
+CellFrame FrameOf(const GriddedCloud& cloud, const std::optional<GridFrame>& grid = {});
 
 }  // namespace rigmap

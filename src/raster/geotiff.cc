@@ -5,10 +5,12 @@
 #include <cpl_string.h>
 #include <fmt/format.h>
 #include <gdal_priv.h>
+#include <ogr_spatialref.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 #include "core/error.h"
@@ -32,6 +34,26 @@ GDALDriver& Driver(const char* name) {
   return *driver;
 }
 
+struct MapBand {
+  const char* name;
+  const char* unit;  // empty: none
+};
+
+std::vector<MapBand> BandsOf(MapLayer layer) {
+  switch (layer) {
+    case MapLayer::kHeight:
+      return {{"height", "metre"}, {"sigma", "metre"}, {"count", ""}, {"view_angle", "degree"}};
+    case MapLayer::kColour:
+      return {{"red", ""}, {"green", ""}, {"blue", ""}, {"alpha", ""}};
+    case MapLayer::kTerrain:
+      break;
+  }
+  return {{"slope", "degree"},
+          {"roughness", "metre"},
+          {"step_height", "metre"},
+          {"slope_exceeds_limit", ""}};
+}
+
 std::unique_ptr<GDALDataset> CreateTiled(const std::filesystem::path& path, MapLayer layer,
                                          const CellFrame& frame) {
   CPLStringList options;
@@ -40,33 +62,22 @@ std::unique_ptr<GDALDataset> CreateTiled(const std::filesystem::path& path, MapL
   options.SetNameValue("BLOCKYSIZE", std::to_string(CellFrame::kTileCells).c_str());
   options.SetNameValue("SPARSE_OK", "TRUE");
   options.SetNameValue("BIGTIFF", "YES");
+  options.SetNameValue("INTERLEAVE", "BAND");
   const bool colour = layer == MapLayer::kColour;
   if (colour) options.SetNameValue("PHOTOMETRIC", "RGB");
   if (colour) options.SetNameValue("ALPHA", "YES");
   CPLErrorReset();
-  std::unique_ptr<GDALDataset> dataset(
-      Driver("GTiff").Create(path.string().c_str(), frame.columns, frame.rows, colour ? 4 : 1,
-                             colour ? GDT_Byte : GDT_Float32, options.List()));
+  std::unique_ptr<GDALDataset> dataset(Driver("GTiff").Create(
+      path.string().c_str(), frame.columns, frame.rows, static_cast<int>(BandsOf(layer).size()),
+      colour ? GDT_Byte : GDT_Float32, options.List()));
   Require(dataset != nullptr, path);
   return dataset;
 }
 
 // Of the cell's corners, in GDAL's order.
-std::array<double, 6> GeoTransform(const CellFrame& frame, const Eigen::Affine2d& map_from_world) {
-  const Eigen::Vector2d corner = map_from_world * frame.UpperLeft();
-  const Eigen::Matrix2d map_from_cells =
-      map_from_world.linear() * Eigen::Vector2d(frame.cell_m, -frame.cell_m).asDiagonal();
-  return {corner.x(), map_from_cells(0, 0), map_from_cells(0, 1),
-          corner.y(), map_from_cells(1, 0), map_from_cells(1, 1)};
-}
-
-// As GDAL wants the cells: floats, or red, green, blue and alpha.
-std::vector<float> Heights(const SurfaceGrid& grid) {
-  std::vector<float> heights = grid.height_m;
-  for (float& height : heights) {
-    if (std::isnan(height)) height = kNoHeight;
-  }
-  return heights;
+std::array<double, 6> GeoTransform(const CellFrame& frame) {
+  const Eigen::Vector2d corner = frame.UpperLeft();
+  return {corner.x(), frame.cell_m, 0.0, corner.y(), 0.0, -frame.cell_m};
 }
 
 std::vector<std::uint8_t> Colours(const SurfaceGrid& grid) {
@@ -77,6 +88,14 @@ std::vector<std::uint8_t> Colours(const SurfaceGrid& grid) {
     rgba.push_back(std::isnan(grid.height_m[i]) ? 0 : 255);
   }
   return rgba;
+}
+
+// One band of the layer kHeight, from 0, for a cell in which something was seen.
+float HeightBand(const SurfaceGrid& grid, std::size_t cell, int band) {
+  if (band == 0) return grid.height_m[cell];
+  if (grid.quality.empty()) return std::numeric_limits<float>::quiet_NaN();
+  const CellQuality& quality = grid.quality[cell];
+  return band == 1 ? quality.sigma_m : band == 2 ? quality.count : quality.view_deg;
 }
 
 std::mutex& SessionMutex() {
@@ -100,51 +119,89 @@ GdalSession::~GdalSession() {
 }
 
 MapFile::MapFile(const std::filesystem::path& path, MapLayer layer, const CellFrame& frame,
-                 const Georeference& georeference, const std::string& warning)
+                 const MapNotes& notes)
     : path_(path), layer_(layer), dataset_(CreateTiled(path, layer, frame)) {
-  Describe(frame, georeference);
-  if (warning.empty()) return;
-  for (const char* item : {"RIGMAP_VERDICT", "TIFFTAG_IMAGEDESCRIPTION"}) {
-    Require(dataset_->SetMetadataItem(item, warning.c_str()) == CE_None, path_);
-  }
+  Describe(frame, notes);
 }
 
 MapFile::~MapFile() = default;
 
-void MapFile::Describe(const CellFrame& frame, const Georeference& georeference) {
+void MapFile::Describe(const CellFrame& frame, const MapNotes& notes) {
   CPLErrorReset();
-  auto transform = GeoTransform(frame, georeference.map_from_world);
+  auto transform = GeoTransform(frame);
   Require(dataset_->SetGeoTransform(transform.data()) == CE_None, path_);
-  const char* wkt = georeference.wkt.empty() ? kLocalSystem : georeference.wkt.c_str();
-  Require(dataset_->SetProjection(wkt) == CE_None, path_);
-  if (layer_ == MapLayer::kHeight) {
-    GDALRasterBand& band = *dataset_->GetRasterBand(1);
+  OGRSpatialReference system;
+  Require((notes.epsg == 0 ? system.importFromWkt(kLocalSystem)
+                           : system.importFromEPSG(notes.epsg)) == OGRERR_NONE,
+          path_);
+  Require(dataset_->SetSpatialRef(&system) == CE_None, path_);
+  const auto bands = BandsOf(layer_);
+  for (std::size_t i = 0; i < bands.size(); ++i) {
+    GDALRasterBand& band = *dataset_->GetRasterBand(static_cast<int>(i) + 1);
+    band.SetDescription(bands[i].name);
+    if (layer_ == MapLayer::kColour) continue;
     Require(band.SetNoDataValue(kNoHeight) == CE_None, path_);
-    band.SetDescription("height");
-    Require(band.SetUnitType("metre") == CE_None, path_);
-    return;
+    if (*bands[i].unit) Require(band.SetUnitType(bands[i].unit) == CE_None, path_);
   }
-  const std::array<const char*, 4> names{"red", "green", "blue", "alpha"};
-  for (int i = 0; i < 4; ++i) dataset_->GetRasterBand(i + 1)->SetDescription(names[i]);
+  auto items = notes.items;
+  if (!notes.warning.empty()) {
+    items.emplace_back("RIGMAP_VERDICT", notes.warning);
+    items.emplace_back("TIFFTAG_IMAGEDESCRIPTION", notes.warning);
+  }
+  for (const auto& [name, value] : items) {
+    Require(dataset_->SetMetadataItem(name.c_str(), value.c_str()) == CE_None, path_);
+  }
 }
 
 void MapFile::WriteTile(int tile_column, int tile_row, const SurfaceGrid& grid, int margin) {
-  const int first_column = tile_column * CellFrame::kTileCells;
-  const int first_row = tile_row * CellFrame::kTileCells;
-  const int columns = std::min(CellFrame::kTileCells, dataset_->GetRasterXSize() - first_column);
-  const int rows = std::min(CellFrame::kTileCells, dataset_->GetRasterYSize() - first_row);
-  const auto write = [&](auto cells, GDALDataType type, int channels) {
-    const auto value_bytes = static_cast<GSpacing>(sizeof(cells[0]));
-    return dataset_->RasterIO(GF_Write, first_column, first_row, columns, rows,
-                              cells.data() + grid.Index(margin, margin) * channels, columns, rows,
-                              type, channels, nullptr, value_bytes * channels,
-                              value_bytes * channels * grid.columns, value_bytes, nullptr);
-  };
+  CellWindow window{tile_column * CellFrame::kTileCells, tile_row * CellFrame::kTileCells};
+  window.columns = std::min(CellFrame::kTileCells, dataset_->GetRasterXSize() - window.column);
+  window.rows = std::min(CellFrame::kTileCells, dataset_->GetRasterYSize() - window.row);
+  if (layer_ == MapLayer::kColour) {
+    auto cells = Colours(grid);
+    CPLErrorReset();
+    Require(dataset_->RasterIO(GF_Write, window.column, window.row, window.columns, window.rows,
+                               cells.data() + grid.Index(margin, margin) * 4, window.columns,
+                               window.rows, GDT_Byte, 4, nullptr, 4, GSpacing{4} * grid.columns, 1,
+                               nullptr) == CE_None,
+            path_);
+    return;
+  }
+  for (int band = 0; band < 4; ++band) {
+    std::vector<float> values;
+    for (int row = 0; row < window.rows; ++row) {
+      for (int column = 0; column < window.columns; ++column) {
+        const std::size_t cell = grid.Index(column + margin, row + margin);
+        values.push_back(std::isnan(grid.height_m[cell]) ? grid.height_m[cell]
+                                                         : HeightBand(grid, cell, band));
+      }
+    }
+    WriteBand(band + 1, window, std::move(values));
+  }
+}
+
+void MapFile::WriteBand(int band, const CellWindow& window, std::vector<float> values) {
+  for (float& value : values) {
+    if (std::isnan(value)) value = kNoHeight;
+  }
   CPLErrorReset();
-  const bool heights = layer_ == MapLayer::kHeight;
-  Require((heights ? write(Heights(grid), GDT_Float32, 1) : write(Colours(grid), GDT_Byte, 4)) ==
-              CE_None,
+  Require(dataset_->GetRasterBand(band)->RasterIO(
+              GF_Write, window.column, window.row, window.columns, window.rows, values.data(),
+              window.columns, window.rows, GDT_Float32, 0, 0, nullptr) == CE_None,
           path_);
+}
+
+std::vector<float> MapFile::ReadBand(int band, const CellWindow& window) {
+  std::vector<float> values(static_cast<std::size_t>(window.columns) * window.rows);
+  CPLErrorReset();
+  Require(dataset_->GetRasterBand(band)->RasterIO(
+              GF_Read, window.column, window.row, window.columns, window.rows, values.data(),
+              window.columns, window.rows, GDT_Float32, 0, 0, nullptr) == CE_None,
+          path_);
+  for (float& value : values) {
+    if (value == kNoHeight) value = std::numeric_limits<float>::quiet_NaN();
+  }
+  return values;
 }
 
 void MapFile::SaveCloudOptimised(const std::filesystem::path& path) {

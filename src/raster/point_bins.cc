@@ -16,14 +16,24 @@ namespace {
 constexpr int kTile = CellFrame::kTileCells;
 constexpr std::size_t kMaxWaiting = (std::size_t{32} << 20) / sizeof(BinnedPoint);
 
+std::array<std::int8_t, 3> Packed(const Eigen::Vector3f& normal) {
+  std::array<std::int8_t, 3> packed{};
+  if (!normal.allFinite()) return packed;
+  for (int i = 0; i < 3; ++i) {
+    packed[i] = static_cast<std::int8_t>(std::lround(127.0F * std::clamp(normal(i), -1.0F, 1.0F)));
+  }
+  return packed;
+}
+
 }  // namespace
 
-PointBins::PointBins(const CellFrame& frame, int margin, const std::filesystem::path& scratch)
-    : frame_(frame),
+PointBins::PointBins(const PointCells& cells, int margin, const std::filesystem::path& scratch)
+    : cells_(cells),
+      frame_(cells.frame()),
       margin_(margin),
       scratch_(scratch),
       file_(scratch, std::ios::in | std::ios::out | std::ios::binary | std::ios::trunc),
-      chunks_(static_cast<std::size_t>(frame.TilesAcross()) * frame.TilesDown()),
+      chunks_(static_cast<std::size_t>(frame_.TilesAcross()) * frame_.TilesDown()),
       waiting_(chunks_.size()) {
   if (!file_) {
     throw DataError(fmt::format("{}: cannot write: {}", scratch.string(), std::strerror(errno)));
@@ -35,15 +45,7 @@ std::size_t PointBins::TileIndex(int tile_column, int tile_row) const {
 }
 
 void PointBins::Add(const SurfacePoint& point) {
-  const int column = frame_.Column(point.x_in_world.x()), row = frame_.Row(point.x_in_world.y());
-  const int side = std::clamp(static_cast<int>(std::lround(point.grain_m / frame_.cell_m)), 1,
-                              static_cast<int>(kMostCells));
-  const int first_row = std::max(row - side / 2, 0), first_column = std::max(column - side / 2, 0);
-  const int end_row = std::min(row - side / 2 + side, frame_.rows);
-  const int end_column = std::min(column - side / 2 + side, frame_.columns);
-  for (int r = first_row; r < end_row; ++r) {
-    for (int c = first_column; c < end_column; ++c) AddAt(point, c, r);
-  }
+  cells_.ForEach(point, [&](int column, int row) { AddAt(point, column, row); });
   if (waiting_count_ >= kMaxWaiting) Flush();
 }
 
@@ -56,7 +58,8 @@ void PointBins::AddAt(const SurfacePoint& point, int column, int row) {
     for (int c = first_column; c <= last_column; ++c) {
       waiting_[TileIndex(c, r)].push_back(
           {point.x_in_world.z(), static_cast<std::uint16_t>(column - c * kTile + margin_),
-           static_cast<std::uint16_t>(row - r * kTile + margin_), point.rgb, point.observations});
+           static_cast<std::uint16_t>(row - r * kTile + margin_), point.rgb, point.observations,
+           PointQuality{point.sigma_m, Packed(point.normal)}});
       ++waiting_count_;
     }
   }

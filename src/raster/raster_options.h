@@ -15,6 +15,16 @@ struct RasterOptions {
   OptionFields Fields();
 };
 
+struct FootprintOptions {
+  static constexpr const char* kSection = "raster";
+
+  double footprint_m = 0.0;
+  double max_slope_deg = 15.0;
+  double level_sigma_deg = 0.57;
+
+  OptionFields Fields();
+};
+
 struct PictureOptions {
   static constexpr const char* kSection = "raster";
 

@@ -54,6 +54,7 @@ struct Filling {
   std::size_t index;
   float height_m;
   std::array<std::uint8_t, 3> rgb;
+  CellQuality quality = {};
 };
 
 Filling Interpolated(const SurfaceGrid& grid, std::size_t index, const std::array<Run, 2>& runs) {
@@ -64,6 +65,10 @@ Filling Interpolated(const SurfaceGrid& grid, std::size_t index, const std::arra
                         static_cast<float>(from.distance_cells + opposite.distance_cells);
     filling.height_m += share * grid.height_m[from.index];
     for (int i = 0; i < 3; ++i) rgb[i] += share * grid.rgb[from.index][i];
+    if (grid.quality.empty()) return;
+    const CellQuality& quality = grid.quality[from.index];
+    filling.quality.sigma_m += share * quality.sigma_m;
+    for (int i = 0; i < 3; ++i) filling.quality.normal[i] += share * quality.normal[i];
   };
   for (const Run& run : runs) {
     add(run.before, run.after);
@@ -80,12 +85,13 @@ bool SurfaceGrid::Holds(int column, int row) const {
          !std::isnan(height_m[Index(column, row)]);
 }
 
-UpperSurface::UpperSurface(int columns, int rows, double layer_m)
+UpperSurface::UpperSurface(int columns, int rows, double layer_m, bool with_quality)
     : columns_(columns),
       rows_(rows),
       layer_m_(static_cast<float>(layer_m)),
       cells_(static_cast<std::size_t>(columns) * rows,
-             Cell{-std::numeric_limits<float>::infinity()}) {}
+             Cell{-std::numeric_limits<float>::infinity()}),
+      quality_(with_quality ? cells_.size() : 0) {}
 
 void UpperSurface::Raise(int column, int row, float height_m) {
   float& top_m = cells_[static_cast<std::size_t>(row) * columns_ + column].top_m;
@@ -93,24 +99,35 @@ void UpperSurface::Raise(int column, int row, float height_m) {
 }
 
 void UpperSurface::Blend(int column, int row, float height_m,
-                         const std::array<std::uint8_t, 3>& rgb, std::uint16_t observations) {
-  Cell& cell = cells_[static_cast<std::size_t>(row) * columns_ + column];
+                         const std::array<std::uint8_t, 3>& rgb, std::uint16_t observations,
+                         const PointQuality& quality) {
+  const std::size_t index = static_cast<std::size_t>(row) * columns_ + column;
+  Cell& cell = cells_[index];
   const float depth_m = cell.top_m - height_m;
   if (depth_m > layer_m_) return;
   const float weight = std::max<float>(1.0F, observations);
   cell.weight += weight;
   cell.depth_sum += weight * depth_m;
   for (int i = 0; i < 3; ++i) cell.rgb_sum[i] += weight * rgb[i];
+  if (quality_.empty()) return;
+  QualitySums& sums = quality_[index];
+  sums.variance += weight * quality.sigma_m * quality.sigma_m;
+  sums.count += observations;
+  for (int i = 0; i < 3; ++i) sums.normal[i] += weight * static_cast<float>(quality.normal[i]);
 }
 
 SurfaceGrid UpperSurface::Finish() const {
   SurfaceGrid grid{columns_, rows_, std::vector<float>(cells_.size(), kNothing),
-                   std::vector<std::array<std::uint8_t, 3>>(cells_.size())};
+                   std::vector<std::array<std::uint8_t, 3>>(cells_.size()),
+                   std::vector<CellQuality>(quality_.size())};
   for (std::size_t i = 0; i < cells_.size(); ++i) {
     const Cell& cell = cells_[i];
     if (cell.weight == 0.0F) continue;
     grid.height_m[i] = cell.top_m - cell.depth_sum / cell.weight;
     for (int k = 0; k < 3; ++k) grid.rgb[i][k] = Rounded(cell.rgb_sum[k] / cell.weight);
+    if (quality_.empty()) continue;
+    const QualitySums& sums = quality_[i];
+    grid.quality[i] = {std::sqrt(sums.variance / cell.weight), sums.count, sums.normal};
   }
   return grid;
 }
@@ -131,6 +148,7 @@ std::size_t FillPinholes(SurfaceGrid& grid, int max_width_cells, int max_length_
   for (const Filling& filling : fillings) {
     grid.height_m[filling.index] = filling.height_m;
     grid.rgb[filling.index] = filling.rgb;
+    if (!grid.quality.empty()) grid.quality[filling.index] = filling.quality;
   }
   return fillings.size();
 }

@@ -9,11 +9,20 @@
 
 namespace rigmap {
 
+// What is known of a cell besides height and colour.
+struct CellQuality {
+  float sigma_m = 0.0F;                  // root of the mean variance of its points
+  float count = 0.0F;                    // depth pixels merged; 0: filled in
+  std::array<float, 3> normal{0, 0, 0};  // sum of its points' normals
+  float view_deg = 0.0F;                 // filled by whoever knows the cameras; NaN: by none
+};
+
 struct SurfaceGrid {
   int columns = 0;
   int rows = 0;
   std::vector<float> height_m;                   // row by row; NaN where nothing was seen
   std::vector<std::array<std::uint8_t, 3>> rgb;  // black there
+  std::vector<CellQuality> quality = {};         // of seen cells; empty where none was asked for
 
   std::size_t Index(int column, int row) const {
     return static_cast<std::size_t>(row) * columns + column;
@@ -21,16 +30,23 @@ struct SurfaceGrid {
   bool Holds(int column, int row) const;  // inside, and something was seen
 };
 
+// Of a point, beside its height and colour.
+struct PointQuality {
+  float sigma_m = 0.0F;
+  std::array<std::int8_t, 3> normal{};  // times 127
+};
+
 // A cell's height and colour are the means, weighted by observations, of its points within
 // `layer_m` below the highest: points farther down are covered. The points must be given twice,
-// first all to Raise, then all to Blend. 28 bytes a cell. Cells must lie inside the grid.
+// first all to Raise, then all to Blend. 28 bytes a cell, 20 more with quality. Cells must lie
+// inside the grid.
 class UpperSurface {
  public:
-  UpperSurface(int columns, int rows, double layer_m);
+  UpperSurface(int columns, int rows, double layer_m, bool with_quality = false);
 
   void Raise(int column, int row, float height_m);
   void Blend(int column, int row, float height_m, const std::array<std::uint8_t, 3>& rgb,
-             std::uint16_t observations);
+             std::uint16_t observations, const PointQuality& quality = {});
   SurfaceGrid Finish() const;
 
  private:
@@ -41,16 +57,24 @@ class UpperSurface {
     std::array<float, 3> rgb_sum{};
   };
 
+  struct QualitySums {
+    float variance = 0.0F;  // weighted
+    float count = 0.0F;
+    std::array<float, 3> normal{};
+  };
+
   int columns_;
   int rows_;
   float layer_m_;
   std::vector<Cell> cells_;
+  std::vector<QualitySums> quality_;
 };
 
 // Fills cells in which nothing was seen where the hole is narrow: of the run of such cells through
 // the cell along its row and the one along its column, the shorter has at most `max_width_cells`
 // and the longer at most `max_length_cells`, and both end at seen cells. The value is linear along
-// each run, and the mean of the two: right on a plane. Only what was seen ends a run, so nothing
+// each run, and the mean of the two: right on a plane; so is the sigma, and
+// the count is 0. Only what was seen ends a run, so nothing
 // grows over an outer edge or into a wide hole; a narrow hole across a step becomes a slope.
 // Returns how many were filled.
 std::size_t FillPinholes(SurfaceGrid& grid, int max_width_cells, int max_length_cells);

@@ -3,6 +3,7 @@
 #include <gdal_priv.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <ogr_spatialref.h>
 
 #include <array>
 #include <cmath>
@@ -40,10 +41,9 @@ class GeoTiffTest : public testing::Test {
  protected:
   // The tiles through a map in the making and a finished one, and open again.
   std::unique_ptr<GDALDataset> Saved(MapLayer layer, const std::vector<SurfaceGrid>& tiles,
-                                     const Georeference& georeference = {},
-                                     const std::string& warning = {}) {
+                                     const MapNotes& notes = {}) {
     const GdalSession session;
-    MapFile map(folder_.Path() / "unfinished", layer, kFrame, georeference, warning);
+    MapFile map(folder_.Path() / "unfinished", layer, kFrame, notes);
     for (std::size_t i = 0; i < tiles.size(); ++i) {
       map.WriteTile(static_cast<int>(i), 0, tiles[i], kMargin);
     }
@@ -101,23 +101,54 @@ TEST_F(GeoTiffTest, ColoursAreTransparentWhereNothingWasSeen) {
   EXPECT_EQ(alpha[static_cast<std::size_t>(kTile)], 0.0F) << "a tile that was never written";
 }
 
-// GDAL's transform takes a cell's corner to the map; the frame's upper left corner to where the
-// georeference says.
-TEST_F(GeoTiffTest, CellsLieWhereTheGeoreferencePutsThem) {
-  Georeference georeference;
-  georeference.map_from_world = Eigen::Translation2d(1000.0, 2000.0) *
-                                Eigen::Rotation2Dd(random_.Uniform(-3.0, 3.0)) *
-                                Eigen::Scaling(1.5);
-  const auto dataset = Saved(MapLayer::kHeight, {}, georeference);
-  ASSERT_TRUE(dataset);
-  std::array<double, 6> t{};
-  ASSERT_EQ(dataset->GetGeoTransform(t.data()), CE_None);
-  for (const auto& [column, row] : {std::pair(0, 0), std::pair(600, 0), std::pair(37, 99)}) {
-    const Eigen::Vector2d world =
-        kFrame.UpperLeft() + kFrame.cell_m * Eigen::Vector2d(column, -row);
-    const Eigen::Vector2d map(t[0] + column * t[1] + row * t[2], t[3] + column * t[4] + row * t[5]);
-    EXPECT_LT((map - georeference.map_from_world * world).norm(), 1e-8);
+// GDAL's transform takes a cell's corner to the map; north is up.
+TEST_F(GeoTiffTest, CellsLieWhereTheFramePutsThemInItsSystem) {
+  for (const int epsg : {0, 32631, 32719}) {
+    const auto dataset = Saved(MapLayer::kTerrain, {}, {epsg});
+    ASSERT_TRUE(dataset);
+    std::array<double, 6> t{};
+    ASSERT_EQ(dataset->GetGeoTransform(t.data()), CE_None);
+    const std::array<double, 6> expected{kFrame.UpperLeft().x(), kFrame.cell_m, 0.0,
+                                         kFrame.UpperLeft().y(), 0.0,           -kFrame.cell_m};
+    for (int i = 0; i < 6; ++i) EXPECT_NEAR(t[i], expected[i], 1e-12);
+    const OGRSpatialReference* system = dataset->GetSpatialRef();
+    ASSERT_TRUE(system);
+    EXPECT_EQ(system->IsLocal(), epsg == 0);
+    if (epsg != 0) {
+      EXPECT_STREQ(system->GetAuthorityCode(nullptr), std::to_string(epsg).c_str());
+    }
   }
+}
+
+TEST_F(GeoTiffTest, BandsHaveNamesAndUnits) {
+  const std::array<const char*, 4> height{"height", "sigma", "count", "view_angle"};
+  const std::array<const char*, 4> terrain{"slope", "roughness", "step_height",
+                                           "slope_exceeds_limit"};
+  const auto heights = Saved(MapLayer::kHeight, {}), grounds = Saved(MapLayer::kTerrain, {});
+  for (int i = 0; i < 4; ++i) {
+    EXPECT_STREQ(heights->GetRasterBand(i + 1)->GetDescription(), height[i]);
+    EXPECT_STREQ(grounds->GetRasterBand(i + 1)->GetDescription(), terrain[i]);
+    EXPECT_EQ(grounds->GetRasterBand(i + 1)->GetNoDataValue(), kNoHeight);
+  }
+  EXPECT_STREQ(heights->GetRasterBand(4)->GetUnitType(), "degree");
+  EXPECT_STREQ(grounds->GetRasterBand(3)->GetUnitType(), "metre");
+}
+
+TEST_F(GeoTiffTest, BandsAreWrittenAndReadBackByWindows) {
+  const GdalSession session;
+  MapFile map(folder_.Path() / "unfinished", MapLayer::kTerrain, kFrame);
+  const CellWindow window{500, 10, 30, 2};
+  std::vector<float> values(60, 2.5F);
+  values[7] = std::numeric_limits<float>::quiet_NaN();
+  map.WriteBand(3, window, values);
+  const std::vector<float> found = map.ReadBand(3, window);
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    EXPECT_EQ(std::isnan(found[i]), i == 7);
+    if (i != 7) {
+      EXPECT_EQ(found[i], values[i]);
+    }
+  }
+  EXPECT_TRUE(std::isnan(map.ReadBand(3, {0, 0, 1, 1})[0])) << "never written";
 }
 
 TEST_F(GeoTiffTest, AWarningIsMetadataAndTheFilesDescription) {
@@ -125,7 +156,7 @@ TEST_F(GeoTiffTest, AWarningIsMetadataAndTheFilesDescription) {
     const auto trusted = Saved(layer, {});
     EXPECT_EQ(trusted->GetMetadataItem("RIGMAP_VERDICT"), nullptr);
     EXPECT_EQ(trusted->GetMetadataItem("TIFFTAG_IMAGEDESCRIPTION"), nullptr);
-    const auto dataset = Saved(layer, {}, {}, "not trusted: a");
+    const auto dataset = Saved(layer, {}, {0, "not trusted: a"});
     EXPECT_STREQ(dataset->GetMetadataItem("RIGMAP_VERDICT"), "not trusted: a");
     EXPECT_STREQ(dataset->GetMetadataItem("TIFFTAG_IMAGEDESCRIPTION"), "not trusted: a");
   }
@@ -134,9 +165,9 @@ TEST_F(GeoTiffTest, AWarningIsMetadataAndTheFilesDescription) {
 TEST_F(GeoTiffTest, FilesThatCannotBeWrittenAreNamed) {
   const GdalSession session;
   const auto nowhere = folder_.Path() / "none" / "map.tif";
-  EXPECT_THAT(MessageOf<DataError>([&] { MapFile(nowhere, MapLayer::kHeight, kFrame, {}); }),
+  EXPECT_THAT(MessageOf<DataError>([&] { MapFile(nowhere, MapLayer::kHeight, kFrame); }),
               testing::HasSubstr(nowhere.string()));
-  MapFile map(folder_.Path() / "unfinished", MapLayer::kHeight, kFrame, {});
+  MapFile map(folder_.Path() / "unfinished", MapLayer::kHeight, kFrame);
   EXPECT_THAT(MessageOf<DataError>([&] { map.SaveCloudOptimised(nowhere); }),
               testing::HasSubstr(nowhere.string()));
 }

@@ -39,7 +39,7 @@ class PointBinsTest : public testing::Test {
   }
 
   TemporaryFolder folder_;
-  PointBins bins_{kBinFrame, kBinMargin, folder_.Path() / "points"};
+  PointBins bins_{PointCells(kBinFrame, {}), kBinMargin, folder_.Path() / "points"};
   int next_ = 0;
 };
 
@@ -99,7 +99,7 @@ TEST_F(PointBinsTest, CornersOfTheFrameAreInside) {
 TEST(PointBins, NamesTheFileItCannotWrite) {
   const TemporaryFolder folder;
   const auto path = folder.Path() / "none" / "points";
-  EXPECT_THAT(MessageOf<DataError>([&] { PointBins(kBinFrame, kBinMargin, path); }),
+  EXPECT_THAT(MessageOf<DataError>([&] { PointBins(PointCells(kBinFrame, {}), kBinMargin, path); }),
               testing::HasSubstr(path.string()));
 }
 

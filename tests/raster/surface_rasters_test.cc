@@ -1,6 +1,5 @@
 #include "raster/surface_rasters.h"
 
-#include <cpl_conv.h>
 #include <gdal_priv.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -44,11 +43,12 @@ std::vector<float> Band(GDALDataset& dataset, int band) {
 
 class Rasters : public testing::Test {
  protected:
-  void Write(const PointCloud& cloud, const Georeference& georeference = {}) {
+  void Write(const PointCloud& cloud, const RasterInputs& inputs = {}) {
     const auto ply = WriteCloud(folder_.Path() / "dense.ply", cloud);
-    WriteSurfaceRasters({ply, cell_m_}, folder_.Path(), options_, georeference);
+    WriteSurfaceRasters({ply, cell_m_}, folder_.Path(), options_, terrain_, inputs);
   }
   std::unique_ptr<GDALDataset> Height() { return Open(folder_.Path() / "height.tif"); }
+  std::unique_ptr<GDALDataset> Terrain() { return Open(folder_.Path() / "terrain.tif"); }
   std::unique_ptr<GDALDataset> Ortho() { return Open(folder_.Path() / "ortho.tif"); }
   // Of the cell in which the point lies.
   std::size_t Index(double x_m, double y_m) const {
@@ -59,6 +59,7 @@ class Rasters : public testing::Test {
   TemporaryFolder folder_;
   double cell_m_ = kCell;
   RasterOptions options_;
+  FootprintOptions terrain_{.footprint_m = 0.4};
 };
 
 TEST_F(Rasters, HoldTheHeightsNorthUp) {
@@ -93,7 +94,7 @@ TEST_F(Rasters, SayWhereTheyLieAndWhatTheyHold) {
     EXPECT_STREQ(owner->GetMetadataItem("LAYOUT", "IMAGE_STRUCTURE"), "COG");
   }
   const auto height = Height();
-  EXPECT_EQ(height->GetRasterCount(), 1);
+  EXPECT_EQ(height->GetRasterCount(), 4);
   EXPECT_EQ(height->GetRasterBand(1)->GetRasterDataType(), GDT_Float32);
   EXPECT_EQ(height->GetRasterBand(1)->GetNoDataValue(), -9999.0);
   EXPECT_STREQ(height->GetRasterBand(1)->GetDescription(), "height");
@@ -168,41 +169,120 @@ TEST_F(Rasters, HaveEqualBytesWheneverTheyAreWritten) {
   Write(cloud);
   const std::string height = ReadTextFile(folder_.Path() / "height.tif");
   const std::string ortho = ReadTextFile(folder_.Path() / "ortho.tif");
+  const std::string terrain = ReadTextFile(folder_.Path() / "terrain.tif");
   Write(cloud);
   EXPECT_TRUE(ReadTextFile(folder_.Path() / "height.tif") == height);
   EXPECT_TRUE(ReadTextFile(folder_.Path() / "ortho.tif") == ortho);
   EXPECT_THAT(NamesIn(folder_.Path()),
-              UnorderedElementsAre("dense.ply", "height.tif", "ortho.tif"));
+              UnorderedElementsAre("dense.ply", "height.tif", "ortho.tif", "terrain.tif"));
   // In another folder and from a cloud in another order.
   PointCloud shuffled = cloud;
   std::shuffle(shuffled.begin(), shuffled.end(), std::mt19937(7));
   const TemporaryFolder other;
   WriteSurfaceRasters({WriteCloud(other.Path() / "elsewhere.ply", shuffled), kCell}, other.Path(),
-                      options_);
+                      options_, terrain_);
+  EXPECT_TRUE(ReadTextFile(other.Path() / "terrain.tif") == terrain);
   EXPECT_TRUE(ReadTextFile(other.Path() / "height.tif") == height);
   EXPECT_TRUE(ReadTextFile(other.Path() / "ortho.tif") == ortho);
   EXPECT_THAT(height, testing::Not(HasSubstr(folder_.Path().filename().string())));
 }
 
-TEST_F(Rasters, LieWhereTheCallerSays) {
-  OGRSpatialReference utm;
-  utm.SetFromUserInput("EPSG:32631");
-  char* text = nullptr;
-  utm.exportToWkt(&text);
-  Georeference georeference;
-  georeference.wkt = text;
-  CPLFree(text);
-  georeference.map_from_world = Eigen::Translation2d(590000.0, 5790000.0) * Eigen::Rotation2Dd(0.3);
-  Write(MapCloud(kCell), georeference);
+GridFrame KatwijkGrid() {
+  EarthFrame frame{{52.21, 4.40, 6.0}, 1.3, {2.0, 3.0, -1.0}, {31, true}};
+  return EarthMap(frame).GridAround(Eigen::Vector2d::Zero());
+}
+
+TEST_F(Rasters, OnAGridAreNorthUpWithEachPointAtItsPosition) {
+  RasterInputs inputs;
+  inputs.grid = KatwijkGrid();
+  Write(MapCloud(kCell), inputs);
   const auto height = Height();
   ASSERT_NE(height->GetSpatialRef(), nullptr);
-  EXPECT_TRUE(height->GetSpatialRef()->IsSame(&utm));
+  EXPECT_STREQ(height->GetSpatialRef()->GetAuthorityCode(nullptr), "32631");
   std::array<double, 6> t{};
   ASSERT_EQ(height->GetGeoTransform(t.data()), CE_None);
-  const Eigen::Vector2d expected = georeference.map_from_world * Eigen::Vector2d(0.2, 0.5);
-  const double column = 1.2 / kCell, row = 1.0 / kCell;
-  EXPECT_NEAR(t[0] + column * t[1] + row * t[2], expected.x(), 1e-6);  // m
-  EXPECT_NEAR(t[3] + column * t[4] + row * t[5], expected.y(), 1e-6);
+  EXPECT_EQ(t[2], 0.0);
+  EXPECT_EQ(t[4], 0.0);
+  const auto values = Band(*height, 1), counts = Band(*height, 3);
+  int seen = 0;
+  for (const SurfacePoint& point : MapCloud(kCell)) {
+    const Eigen::Vector3d grid = inputs.grid->GridFromWorld(point.x_in_world.cast<double>());
+    const auto column = static_cast<int>((grid.x() - t[0]) / kCell);
+    const auto row = static_cast<int>((t[3] - grid.y()) / kCell);
+    const std::size_t cell = static_cast<std::size_t>(row) * height->GetRasterXSize() + column;
+    if (point.rgb != kSandRgb || values[cell] == -9999.0F || counts[cell] == 0.0F) continue;
+    const double box_m = std::abs(values[cell] - grid.z());
+    ++seen;
+    // A cell takes the point of the world's nearest cell, at most a cell aside on a slope of 0.11.
+    if (box_m < 0.2) {
+      EXPECT_NEAR(values[cell], grid.z(), 0.004);  // m
+    }
+  }
+  EXPECT_GT(seen, 17000);
+  // The ground has no hole that the world's map has not: as many cells as points, but for the rim.
+  EXPECT_NEAR(std::ranges::count_if(values, [](float z) { return z != -9999.0F; }), 20000, 250);
+}
+
+// The gradient of the ground is (0.1, 0.05): 6.4 degrees, whatever the map is turned by.
+TEST_F(Rasters, TerrainKnowsTheSlopeOfTheGround) {
+  for (const bool on_earth : {false, true}) {
+    RasterInputs inputs;
+    if (on_earth) inputs.grid = KatwijkGrid();
+    inputs.up = "imu";
+    PointCloud cloud = MapCloud(kCell);
+    for (SurfacePoint& point : cloud) {
+      point.sigma_m = 0.004F;
+      point.x_in_world.z() -= point.rgb == kBoxRgb ? 0.4F : 0.0F;  // without the box
+    }
+    Write(cloud, inputs);
+    const auto terrain = Terrain();
+    EXPECT_STREQ(terrain->GetMetadataItem("RIGMAP_FOOTPRINT_M"), "0.4");
+    EXPECT_STREQ(terrain->GetMetadataItem("RIGMAP_MAX_SLOPE_DEG"), "15");
+    EXPECT_STREQ(terrain->GetMetadataItem("RIGMAP_UP"), "imu");
+    EXPECT_STREQ(terrain->GetMetadataItem("LAYOUT", "IMAGE_STRUCTURE"), "COG");
+    const auto slopes = Band(*terrain, 1), roughness = Band(*terrain, 2);
+    const auto steps = Band(*terrain, 3), steeper = Band(*terrain, 4);
+    std::vector<float> of_ground;
+    for (std::size_t i = 0; i < slopes.size(); ++i) {
+      if (slopes[i] == -9999.0F) continue;
+      of_ground.push_back(slopes[i]);
+      EXPECT_LT(roughness[i], 0.005F);
+      EXPECT_LT(steps[i], 0.02F);
+      EXPECT_LT(steeper[i], 1e-4F);
+    }
+    EXPECT_GT(of_ground.size(), 1000U);
+    for (const float slope_deg : of_ground) EXPECT_NEAR(slope_deg, 6.379, 0.5);
+  }
+}
+
+TEST_F(Rasters, TerrainKnowsTheHeightOfABox) {
+  Write(MapCloud(kCell));
+  const auto steps = Band(*Terrain(), 3);
+  EXPECT_NEAR(*std::ranges::max_element(steps), 0.4, 0.02);  // m
+}
+
+TEST_F(Rasters, HoldSigmaCountAndViewAngle) {
+  PointCloud cloud = MapCloud(kCell);
+  for (SurfacePoint& point : cloud) {
+    point.sigma_m = 0.003F;
+    point.normal = Eigen::Vector3f(-0.1F, -0.05F, 1.0F).normalized();
+  }
+  Trajectory trajectory(1);
+  Eigen::Matrix3d world_from_left;  // straight down, right along x
+  world_from_left << 1, 0, 0, 0, -1, 0, 0, 0, -1;
+  trajectory[0].world_from_left = {Eigen::Quaterniond(world_from_left), {0.0, 0.5, 2.0}};
+  const Camera camera{.width = 400, .height = 400, .fx = 400, .fy = 400, .cx = 199.5, .cy = 199.5};
+  RasterInputs inputs;
+  inputs.trajectory = &trajectory;
+  inputs.left_camera = &camera;
+  Write(cloud, inputs);
+  const auto height = Height();
+  const auto sigmas = Band(*height, 2), counts = Band(*height, 3), angles = Band(*height, 4);
+  EXPECT_NEAR(sigmas[Index(0.01, 0.51)], 0.003F, 1e-6);
+  EXPECT_EQ(counts[Index(0.01, 0.51)], 4.0F);
+  // The normal leans by 6.4 degrees, the ray is plumb.
+  EXPECT_NEAR(angles[Index(0.01, 0.51)], 6.4, 0.3);
+  EXPECT_EQ(angles[Index(2.8, 0.51)], -9999.0F) << "not in the image";
 }
 
 TEST_F(Rasters, PassOverPointsThatAreNowhere) {
@@ -219,7 +299,7 @@ TEST_F(Rasters, RefuseBadCloudsByNameAndLeaveTheOldFiles) {
   const auto ply = folder_.Path() / "dense.ply";
   const auto complaint = [&] {
     return MessageOf<DataError>([&] {
-      WriteSurfaceRasters({ply, kCell}, folder_.Path(), options_);
+      WriteSurfaceRasters({ply, kCell}, folder_.Path(), options_, terrain_);
     });
   };
   WriteTestFile(folder_.Path() / "height.tif", "old");
@@ -235,8 +315,8 @@ TEST_F(Rasters, RefuseBadCloudsByNameAndLeaveTheOldFiles) {
 }
 
 TEST_F(Rasters, LeaveNothingBehindWhenTheyCannotBeWritten) {
-  Georeference nonsense;
-  nonsense.wkt = "no coordinate system";
+  RasterInputs nonsense;
+  nonsense.grid = GridFrame{.epsg = 1};
   EXPECT_THROW(Write(MapCloud(kCell), nonsense), DataError);
   EXPECT_THAT(NamesIn(folder_.Path()), UnorderedElementsAre("dense.ply"));
 }
@@ -246,6 +326,9 @@ TEST_F(Rasters, RefuseOptionsOutOfRange) {
   EXPECT_THROW(Write(MapCloud(kCell)), UsageError);
   cell_m_ = kCell;
   options_ = {.max_hole_cells = -1};
+  EXPECT_THROW(Write(MapCloud(kCell)), UsageError);
+  options_ = {};
+  terrain_.footprint_m = 0.0;
   EXPECT_THROW(Write(MapCloud(kCell)), UsageError);
 }
 

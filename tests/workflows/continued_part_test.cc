@@ -109,7 +109,7 @@ TEST_F(ContinuedPart, MovedWithItsDataIsDoneAlready) {
   EXPECT_THAT(Made(), IsEmpty());
   EXPECT_THAT(DifferentFrom(before), IsEmpty());
   const json summary = Summary();
-  EXPECT_EQ(summary["stages"].size(), 15U);
+  EXPECT_EQ(summary["stages"].size(), 17U);
   EXPECT_EQ(summary["gates"].size(), 19U);
   // Links lead to where the images are now.
   for (const auto& link : fs::directory_iterator(out_ / "colmap" / "images" / "left")) {
@@ -120,7 +120,8 @@ TEST_F(ContinuedPart, MovedWithItsDataIsDoneAlready) {
 TEST_F(ContinuedPart, WithAnotherAlgorithmIsDoneAnewFromThatStageOn) {
   const auto before = Published();
   ASSERT_EQ(Run(RIGMAP_OTHER_PROGRAM, out_, data_).exit_code, 0);
-  EXPECT_THAT(Made(), ElementsAre("fusion", "raster", "views", "evaluation"));
+  EXPECT_THAT(Made(),
+              ElementsAre("fusion", "georeference", "raster", "las", "views", "evaluation"));
   // Only the identity differs: the algorithm is the same.
   EXPECT_THAT(DifferentFrom(before), IsEmpty());
 }
@@ -138,7 +139,7 @@ TEST_F(ContinuedPart, WithAnotherPictureSizeMakesPicturesOnly) {
 TEST_F(ContinuedPart, JudgedByOtherLimitsMakesNothingElseAnew) {
   const ProgramEnd end = Continue({"--set", "gates.epipolar_px=0.000001"});
   EXPECT_EQ(end.exit_code, 3);
-  EXPECT_THAT(Made(), ElementsAre("raster", "views"));
+  EXPECT_THAT(Made(), ElementsAre("georeference", "raster", "las", "views"));
   EXPECT_EQ(Summary()["status"], "untrusted");
   EXPECT_THAT(Summary()["reason"].get<std::string>(), HasSubstr("epipolar_px"));
 }
@@ -153,8 +154,9 @@ TEST_F(ContinuedPart, SaysInEveryFileThatItIsNotTrustedAsLongAsItIsNot) {
   for (const char* name : {"dense.ply", "sparse.ply"}) {
     EXPECT_THAT(ReadTextFile(out_ / name).substr(0, 200), HasSubstr("\ncomment " + sentence));
   }
-  for (const char* name : {"height.tif", "ortho.tif"}) {
-    EXPECT_THAT(ReadTextFile(out_ / name), HasSubstr("RIGMAP_VERDICT")) << name;
+  for (const char* name : {"height.tif", "ortho.tif", "terrain.tif", "dense.las"}) {
+    EXPECT_THAT(ReadTextFile(out_ / name), HasSubstr(sentence.substr(0, sentence.size() - 1)))
+        << name;
   }
   const auto untrusted = Published();
   for (const char* name : {"view_top.png", "view_side.png", "view_oblique.png"}) {
@@ -177,7 +179,7 @@ TEST_F(ContinuedPart, AskedToBeBetterThanItIsMakesNothingElseAnewAndSaysSo) {
   EXPECT_THAT(end.err, HasSubstr("rigmap: NOT TRUSTED: the scale is known to "));
   EXPECT_THAT(end.err, HasSubstr("rigmap: usable all the same: shape and path: metres to "));
   EXPECT_THAT(end.err, HasSubstr("rigmap: to try next: "));
-  EXPECT_THAT(Made(), ElementsAre("raster", "views"));
+  EXPECT_THAT(Made(), ElementsAre("georeference", "raster", "las", "views"));
   EXPECT_EQ(Summary()["status"], "untrusted");
   EXPECT_THAT(Summary()["verdict"]["text"].get<std::string>(),
               StartsWith("consistent, but not as good"));
@@ -200,7 +202,7 @@ TEST_F(ContinuedPart, AskedForLessKeepsWhatHoldsAndSaysSo) {
   const ProgramEnd end = Continue({"--set", "gates.epipolar_px=0.000001", "--until", "odometry"});
   EXPECT_EQ(end.exit_code, 3) << end.err;  // what lies there is untrusted still
   EXPECT_EQ(Summary()["status"], "untrusted");
-  EXPECT_EQ(Summary()["stages"].size(), 15U);
+  EXPECT_EQ(Summary()["stages"].size(), 17U);
   EXPECT_THAT(DifferentFrom(before), IsEmpty());
 }
 
@@ -216,7 +218,7 @@ TEST_F(ContinuedPart, AskedForLessWithAnotherOptionNamesWhatItRemoves) {
   EXPECT_THAT(Made(), ElementsAre("odometry"));
   // Going back is free for all that is kept.
   ASSERT_EQ(Continue().exit_code, 0);
-  EXPECT_THAT(Made(), ElementsAre("mapping", "fusion", "raster", "views"));
+  EXPECT_THAT(Made(), ElementsAre("mapping", "fusion", "raster", "las", "views"));
 }
 
 TEST_F(ContinuedPart, ByVisualOdometryTakesUpWhatTheRigTechniqueLeft) {

@@ -43,12 +43,18 @@ const std::map<std::string, Names> kReaders{
     {"dense.depth_maps", {"depth_maps"}},
     {"fusion", {"fusion"}},
     {"fusion.voxel_m", {"dense"}},
-    {"raster.max_hole_cells", {"raster"}},
+    {"raster", {"raster"}},
     {"raster.picture_px", {"views"}},
     {"registration", {}},
     {"evaluation", {"evaluation"}},
-    {"georeference", {"evaluation"}},
+    {"georeference", {"georeference", "evaluation"}},
+    {"georeference.max_map_sigma_m", {"georeference"}},
+    {"georeference.las", {"las"}},
     {"rocks", {"evaluation"}},
+    {"rocks.min_height_m", {"georeference", "evaluation"}},
+    {"rocks.min_height_sigmas", {"georeference", "evaluation"}},
+    {"rocks.min_top_m", {"georeference", "evaluation"}},
+    {"rocks.min_width_m", {"georeference", "evaluation"}},
     {"gates", {"gates"}},
     {"gates.baseline_spread", {"mapping", "gates"}},
     {"gates.baseline_rejected", {"mapping", "gates"}},
@@ -137,16 +143,19 @@ TEST(RigRecipe, StagesDependOnWhatTheyTakeAndNoMore) {
   const StageGraph graph = GraphOf({});
   EXPECT_THAT(StageNames(Technique::kRig),
               ElementsAre("dataset", "features", "odometry", "matching", "database", "mapping",
-                          "scale", "adjustment", "steps", "dense", "depth_maps", "fusion", "raster",
-                          "views", "evaluation"));
+                          "scale", "adjustment", "steps", "dense", "depth_maps", "fusion",
+                          "georeference", "raster", "las", "views", "evaluation"));
   EXPECT_THAT(DescendantsOf(graph, "views"), ElementsAre("views"));
   EXPECT_THAT(DescendantsOf(graph, "raster"), ElementsAre("raster"));
   EXPECT_THAT(DescendantsOf(graph, "truth"), ElementsAre("truth", "evaluation"));
+  // Fixes say where finished products lie, and move no pose.
+  EXPECT_THAT(DescendantsOf(graph, "fixes"), ElementsAre("fixes", "georeference", "raster", "las"));
   EXPECT_THAT(DescendantsOf(graph, "fusion"),
-              ElementsAre("fusion", "raster", "views", "evaluation"));
-  EXPECT_THAT(DescendantsOf(graph, "scale"),
-              ElementsAre("scale", "adjustment", "gates", "steps", "dense", "depth_maps",
-                          "depth_gates", "fusion", "raster", "views", "evaluation"));
+              ElementsAre("fusion", "georeference", "raster", "las", "views", "evaluation"));
+  EXPECT_THAT(
+      DescendantsOf(graph, "scale"),
+      ElementsAre("scale", "adjustment", "gates", "steps", "dense", "depth_maps", "depth_gates",
+                  "fusion", "georeference", "raster", "las", "views", "evaluation"));
 }
 
 std::vector<Technique> AllTechniques() {
@@ -186,14 +195,14 @@ TEST(VisualOdometryRecipe, SharesItsFirstStagesWithTheRigRecipe) {
   }
   EXPECT_THAT(StageNames(Technique::kVisualOdometry),
               ElementsAre("dataset", "features", "odometry", "trajectory", "dense", "depth_maps",
-                          "fusion", "raster", "views", "evaluation"));
+                          "fusion", "georeference", "raster", "las", "views", "evaluation"));
 }
 
 TEST(ColmapRecipe, LeavesThePosesOfTheMappingAsTheyAre) {
-  EXPECT_THAT(
-      StageNames(Technique::kColmap),
-      ElementsAre("dataset", "features", "odometry", "matching", "database", "mapping", "scale",
-                  "trajectory", "dense", "depth_maps", "fusion", "raster", "views", "evaluation"));
+  EXPECT_THAT(StageNames(Technique::kColmap),
+              ElementsAre("dataset", "features", "odometry", "matching", "database", "mapping",
+                          "scale", "trajectory", "dense", "depth_maps", "fusion", "georeference",
+                          "raster", "las", "views", "evaluation"));
   const StageGraph rig = RigRecipe({}, {}, {}), colmap = ColmapRecipe({}, {}, {});
   EXPECT_EQ(rig.nodes()[rig.IndexOf("mapping")].identity,
             colmap.nodes()[colmap.IndexOf("mapping")].identity);
@@ -213,9 +222,10 @@ TEST(RigRecipe, WithoutMappingAdjustsTheOdometry) {
 
 // Depth comes before the poses, and their own map takes the place of fusion.
 TEST(IcpRecipe, HasItsOwnWayFromDepthToAMap) {
-  EXPECT_THAT(StageNames(Technique::kIcp),
-              ElementsAre("dataset", "features", "odometry", "dense", "registration", "trajectory",
-                          "depth_maps", "merging", "raster", "views", "evaluation"));
+  EXPECT_THAT(
+      StageNames(Technique::kIcp),
+      ElementsAre("dataset", "features", "odometry", "dense", "registration", "trajectory",
+                  "depth_maps", "merging", "georeference", "raster", "las", "views", "evaluation"));
   const StageGraph before = IcpRecipe({}, {}, {});
   PartOptions grid, way, merge, limit;
   grid.clouds.grid_m = 0.07;
@@ -232,7 +242,7 @@ TEST(RoverRecipes, WheelsNeedNoImagesForTheirPoses) {
   const StageGraph wheels = WheelsRecipe({}, {}, {});
   EXPECT_THAT(StageNames(Technique::kWheels),
               ElementsAre("dataset", "dead_reckoning", "features", "dense", "depth_maps", "fusion",
-                          "raster", "views", "evaluation"));
+                          "georeference", "raster", "las", "views", "evaluation"));
   EXPECT_EQ(wheels.nodes()[wheels.IndexOf("dead_reckoning")].inputs,
             std::vector{wheels.IndexOf("dataset")});
 }

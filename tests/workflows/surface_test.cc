@@ -2,13 +2,16 @@
 #include <gmock/gmock.h>
 
 #include <cstdlib>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
+#include <sstream>
 
 #include "colmap/model_io.h"
 #include "core/file.h"
 #include "core/statistics.h"
 #include "evaluation/point_tree.h"
+#include "export/ply.h"
 #include "export/ply_reader.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/workflows/rigmap_program.h"
@@ -103,6 +106,67 @@ TEST_F(SurfaceOfASimulatedPart, IsLaidOnItsFixesAndSurvey) {
   for (const json& rock : rocks["each"]) {
     EXPECT_LE(rock["distance_m"].get<double>(), rock["limit_m"].get<double>());
   }
+}
+
+// GDAL's own tools, at the right place on Earth: Katwijk, 52.21 N, 4.40 E.
+TEST_F(SurfaceOfASimulatedPart, LiesOnTheEarthWhereItsFixesSay) {
+  const json sidecar = json::parse(ReadTextFile(Out() / "georeference.json"));
+  EXPECT_EQ(sidecar["epsg"], 32631);
+  EXPECT_LT(sidecar["sigma"]["horizontal_m"], 0.05);
+  const std::map<std::string, std::vector<std::string>> bands{
+      {"height.tif", {"height", "sigma", "count", "view_angle"}},
+      {"ortho.tif", {"red", "green", "blue", "alpha"}},
+      {"terrain.tif", {"slope", "roughness", "step_height", "slope_exceeds_limit"}}};
+  for (const auto& [name, expected] : bands) {
+    const ProgramEnd end = RunProgram("gdalinfo", {"-json", Out() / name});
+    ASSERT_EQ(end.exit_code, 0) << end.err;
+    const json info = json::parse(end.out);
+    std::vector<std::string> found;
+    for (const json& band : info["bands"]) found.push_back(band["description"]);
+    EXPECT_EQ(found, expected);
+    EXPECT_THAT(info["coordinateSystem"]["wkt"].get<std::string>(),
+                testing::HasSubstr("ID[\"EPSG\",32631]"));
+    for (const json& corner : info["wgs84Extent"]["coordinates"][0]) {
+      EXPECT_NEAR(corner[0], 4.40, 0.01);  // degrees east
+      EXPECT_NEAR(corner[1], 52.21, 0.01);
+    }
+  }
+}
+
+TEST_F(SurfaceOfASimulatedPart, HasARouteThatMapsTake) {
+  for (const char* name : {"route.geojson", "route.kml"}) {
+    const ProgramEnd end = RunProgram("ogrinfo", {"-al", "-so", Out() / name});
+    ASSERT_EQ(end.exit_code, 0) << end.err;
+    EXPECT_THAT(end.out, testing::ContainsRegex("Extent: \\(4.40[0-9]+, 52.21[0-9]+\\)")) << name;
+  }
+  // The first pose lies where the grid's coordinates of it say, by PROJ.
+  std::istringstream csv(ReadTextFile(Out() / "trajectory_utm.csv"));
+  std::string line;
+  std::getline(csv, line);
+  std::getline(csv, line);
+  std::vector<std::string> fields;
+  std::istringstream row(line);
+  for (std::string field; std::getline(row, field, ',');) fields.push_back(field);
+  const ProgramEnd end =
+      RunProgram("sh", {"-c", "echo " + fields[1] + " " + fields[2] +
+                                  " | gdaltransform -s_srs EPSG:32631 -t_srs EPSG:4326"});
+  ASSERT_EQ(end.exit_code, 0) << end.err;
+  std::istringstream degrees(end.out);
+  double longitude_deg = 0.0, latitude_deg = 0.0;
+  degrees >> longitude_deg >> latitude_deg;
+  const json route = json::parse(ReadTextFile(Out() / "route.geojson"))["features"][0];
+  EXPECT_NEAR(route["geometry"]["coordinates"][0][0], longitude_deg, 2e-9);
+  EXPECT_NEAR(route["geometry"]["coordinates"][0][1], latitude_deg, 2e-9);
+}
+
+TEST_F(SurfaceOfASimulatedPart, HasALasFileOfTheSamePoints) {
+  const ProgramEnd end = RunProgram(kPython, {RIGMAP_LAS_READER, Out() / "dense.las"});
+  ASSERT_EQ(end.exit_code, 0) << end.err;
+  const json las = json::parse(end.out);
+  EXPECT_EQ(las["count"], ReadPly(Out() / "dense.ply").size());
+  EXPECT_EQ(las["records"][1]["keys"]["3072"], 32631);
+  EXPECT_NEAR(las["points"][0]["xyz"][0], 595700.0, 200.0);
+  EXPECT_NEAR(las["points"][0]["xyz"][1], 5785800.0, 200.0);
 }
 
 TEST_F(SurfaceOfASimulatedPart, IsDrawnAndDrawnAgainWhereThatIsAskedFor) {

@@ -23,6 +23,9 @@ PartInputs AddPartInputs(StageGraph& graph, const Dataset& dataset, const Datase
     std::string key = DescribeTruth(truth);
     return std::pair(std::move(key), std::move(truth));
   };
+  const auto open_fixes = [dataset] {
+    return std::pair(DescribeTruth({"", dataset.fixes, {}}), Fixes{dataset.fixes});
+  };
   // The version is the key: how long one waits for it changes nothing.
   const auto open_colmap = [colmap_options] {
     ColmapInstallation colmap = FindColmap();
@@ -31,7 +34,7 @@ PartInputs AddPartInputs(StageGraph& graph, const Dataset& dataset, const Datase
   };
   return {graph.AddSource<Dataset>("dataset", open_dataset, ReportDataset),
           graph.AddSource<DatasetContent>("content", open_content),
-          graph.AddSource<Truth>("truth", open_truth),
+          graph.AddSource<Truth>("truth", open_truth), graph.AddSource<Fixes>("fixes", open_fixes),
           graph.AddSource<ColmapInstallation>("colmap", open_colmap)};
 }
 

@@ -1,6 +1,8 @@
 // What a part's recipe is given from outside.
 #pragma once
 
+#include <vector>
+
 #include "colmap/installation.h"
 #include "dataset/dataset_content.h"
 #include "pipeline/stage_graph.h"
@@ -8,10 +10,16 @@
 
 namespace rigmap {
 
+// What lays finished products on the Earth. No stage that makes a pose or a point takes it.
+struct Fixes {
+  std::vector<GnssFix> fixes;
+};
+
 struct PartInputs {
   Node<Dataset> dataset;
   Node<DatasetContent> content;  // of the dataset, for the keys of single frames
   Node<Truth> truth;
+  Node<Fixes> fixes;
   Node<ColmapInstallation> colmap;  // looked for on PATH when a stage needs it
 };
 

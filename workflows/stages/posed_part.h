@@ -8,6 +8,7 @@
 #include "scene/dataset.h"
 #include "scene/rig.h"
 #include "scene/trajectory.h"
+#include "scene/world_up.h"
 
 namespace rigmap {
 
@@ -22,6 +23,7 @@ struct PosedPart {
   // Sparse points in each frame's left camera, metres; empty where the technique has none.
   std::vector<std::vector<Eigen::Vector3d>> points_in_left;
   std::vector<PosedPoint> points;  // the same, once each
+  WorldUp world_up = WorldUp::kCamera;
 };
 
 // The rig with the files that go with it where they are now.

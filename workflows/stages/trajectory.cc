@@ -80,7 +80,7 @@ TrajectoryStage OdometricTrajectory() {
 }
 
 PosedPart PosedByOdometry(const StageContext&, const Dataset& dataset, const OdometricPart& part) {
-  PosedPart posed{WithFilesOf(dataset, part.rig), part.trajectory, {}, {}};
+  PosedPart posed{WithFilesOf(dataset, part.rig), part.trajectory, {}, {}, part.world_up};
   posed.points_in_left.resize(part.trajectory.size());
   return posed;
 }

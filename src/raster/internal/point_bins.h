@@ -12,6 +12,8 @@
 #include <vector>
 
 #include "raster/cell_frame.h"
+#include "raster/internal/point_cells.h"
+#include "raster/upper_surface.h"
 #include "scene/point_cloud.h"
 
 namespace rigmap {
@@ -23,15 +25,16 @@ struct BinnedPoint {
   std::uint16_t row = 0;
   std::array<std::uint8_t, 3> rgb{};
   std::uint16_t observations = 0;
+  PointQuality quality;
 };
 
 class PointBins {
  public:
   // Makes the file `scratch`, which the caller removes. `margin`: cells around each tile whose
   // points the tile holds too.
-  PointBins(const CellFrame& frame, int margin, const std::filesystem::path& scratch);
+  PointBins(const PointCells& cells, int margin, const std::filesystem::path& scratch);
 
-  // In all cells that the point stands for, around its own. It must lie in the frame. Up to 32 MB
+  // In all cells of the frame that the point stands for (PointCells). Up to 32 MB
   // wait in memory before they go to the file. Throws DataError when it cannot be written.
   void Add(const SurfacePoint& point);
   void Flush();  // to be called after the last Add
@@ -53,6 +56,7 @@ class PointBins {
   std::size_t TileIndex(int tile_column, int tile_row) const;
   void AddAt(const SurfacePoint& point, int column, int row);
 
+  PointCells cells_;
   CellFrame frame_;
   int margin_;
   std::filesystem::path scratch_;
