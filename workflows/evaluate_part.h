@@ -13,8 +13,8 @@ struct EvaluateRequest {
   bool json = false;
 };
 
-// The TUM file that a --truth names: itself, or trajectory.tum in a folder. Throws DataError if the
-// folder holds none.
+// The file that a --truth names: itself, or in a folder trajectory.tum, groundtruth_tum.txt or
+// groundtruth_xy.txt, a prism's track. Throws DataError if the folder holds none.
 std::filesystem::path TruthFile(const std::filesystem::path& truth);
 
 // With a truth, compares as the run's own config.yaml says, if it is there. One line of JSON, or a

@@ -45,7 +45,7 @@ CLI::Option* AddPartInputs(CLI::App* part, PartArguments& a) {
       "Per cent of the path that scale and positions must be good to (95 %); default 1");
   part->add_option("--threads", a.threads, "Threads; default: one per core");
   part->add_option("--memory", a.memory_mb, "Megabytes that dense matching may use");
-  part->add_option("--truth", a.truth, "TUM file, or folder with trajectory.tum");
+  part->add_option("--truth", a.truth, "TUM file, track of a prism, or folder with one");
   part->add_flag("--quiet", a.quiet, "No progress, errors only");
   return dataset;
 }

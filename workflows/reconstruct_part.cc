@@ -9,13 +9,13 @@
 #include "colmap/database.h"
 #include "core/file.h"
 #include "dataset/open_dataset.h"
-#include "export/tum.h"
 #include "pipeline/stage_runner.h"
 #include "workflows/evaluate_part.h"
 #include "workflows/mark_outputs.h"
 #include "workflows/output_folder.h"
 #include "workflows/part_summary.h"
 #include "workflows/rig_prior.h"
+#include "workflows/stages/compare_result.h"
 #include "workflows/stages/database.h"
 
 namespace rigmap {
@@ -25,12 +25,12 @@ namespace fs = std::filesystem;
 
 fs::path HashesPath(const fs::path& root) { return root / "stages" / "hashes.bin"; }
 
-// The dataset with the truth that it is to be compared with: a TUM file that can be read. Known to
-// be wrong now, not when all work is done.
+// The dataset with the truth that it is to be compared with, which can be read. Known to be wrong
+// now, not when all work is done.
 Dataset OpenWithTruth(const PartRequest& request) {
   Dataset dataset = OpenDataset(request.dataset);
   if (request.truth) dataset.truth_path = fs::absolute(TruthFile(*request.truth)).string();
-  if (!dataset.truth_path.empty()) ReadTum(dataset.truth_path);
+  if (!dataset.truth_path.empty()) RequireTruth(dataset.truth_path);
   return dataset;
 }
 

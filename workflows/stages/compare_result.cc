@@ -9,6 +9,7 @@
 #include "core/file.h"
 #include "evaluation/map_metrics.h"
 #include "evaluation/map_over_truth.h"
+#include "evaluation/prism_metrics.h"
 #include "evaluation/rock_metrics.h"
 #include "export/ply_reader.h"
 
@@ -39,16 +40,25 @@ std::vector<TumPose> TruthDuring(const std::vector<TumPose>& estimate, std::vect
 
 }  // namespace
 
+void RequireTruth(const fs::path& truth_path) {
+  if (IsPrismFile(truth_path)) {
+    ReadPrismFile(truth_path);
+  } else {
+    ReadTum(truth_path);
+  }
+}
+
 nlohmann::ordered_json CompareWithTruth(const std::vector<TumPose>& estimate,
-                                        const fs::path& truth_tum, const fs::path& map_ply,
+                                        const fs::path& truth_path, const fs::path& map_ply,
                                         const EvaluationOptions& options) {
+  if (IsPrismFile(truth_path)) return ToJson(ComparePrism(estimate, ReadPrismFile(truth_path)));
   const TrajectoryMetrics trajectory = CompareTrajectories(
-      estimate, TruthDuring(estimate, ReadTum(truth_tum), options.max_dt_s), options);
+      estimate, TruthDuring(estimate, ReadTum(truth_path), options.max_dt_s), options);
   auto json = ToJson(trajectory);
   if (auto drift = DriftToJson(trajectory); !drift.is_null()) json["drift"] = std::move(drift);
   std::error_code ignored;
   if (!fs::exists(map_ply, ignored)) return json;
-  const auto truth = ReadMapTruth(truth_tum.parent_path());
+  const auto truth = ReadMapTruth(truth_path.parent_path());
   if (!truth) return json;
   const auto truth_from_world = AlignWithTruth(estimate, truth->path, options);
   if (!truth_from_world) return json;  // which the trajectory's `error` says
@@ -78,9 +88,9 @@ nlohmann::ordered_json CompareWithSurvey(const SurveyedResult& result,
 
 std::string DescribeTruth(const Truth& truth) {
   std::string text;
-  if (!truth.tum_path.empty()) {
-    text = HashFile(truth.tum_path);
-    for (const fs::path& path : MapTruthFiles(fs::path(truth.tum_path).parent_path())) {
+  if (!truth.path.empty()) {
+    text = HashFile(truth.path);
+    for (const fs::path& path : MapTruthFiles(fs::path(truth.path).parent_path())) {
       text += fmt::format(" {}", HashFile(path));
     }
   }

@@ -18,16 +18,20 @@ namespace rigmap {
 
 // What a result is compared with. No stage before `evaluation` takes it.
 struct Truth {
-  std::string tum_path;  // empty: none
+  std::string path;  // a TUM file or a prism's track (prism_metrics.h); empty: none
   std::vector<GnssFix> fixes;
   std::vector<SurveyedLandmark> surveyed_rocks;
 };
 
+// Throws DataError, a sentence with file and line, for a truth that cannot be read.
+void RequireTruth(const std::filesystem::path& truth_path);
+
 // The keys of trajectory_metrics.h, those of drift in `drift`, of the truth between the first and
 // the last estimated pose; and where `map_ply` exists and the folder of the truth holds a true
-// surface (map_truth.h), `map` and `rocks` with those of map_metrics.h and rock_metrics.h.
+// surface (map_truth.h), `map` and `rocks` with those of map_metrics.h and rock_metrics.h. Beside
+// a prism's track the keys of prism_metrics.h alone.
 nlohmann::ordered_json CompareWithTruth(const std::vector<TumPose>& estimate,
-                                        const std::filesystem::path& truth_tum,
+                                        const std::filesystem::path& truth_path,
                                         const std::filesystem::path& map_ply,
                                         const EvaluationOptions& options);
 
