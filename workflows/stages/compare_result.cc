@@ -11,7 +11,9 @@
 #include "evaluation/map_over_truth.h"
 #include "evaluation/prism_metrics.h"
 #include "evaluation/rock_metrics.h"
+#include "evaluation/rtk_metrics.h"
 #include "export/ply_reader.h"
+#include "georeference/fix_pairs.h"
 
 namespace rigmap {
 namespace {
@@ -77,6 +79,13 @@ nlohmann::ordered_json CompareWithSurvey(const SurveyedResult& result,
   nlohmann::ordered_json json;
   json["rtk"] = fit.alignment ? ToJson(*fit.alignment) : nlohmann::ordered_json::object();
   if (!fit.why.empty()) json["rtk"]["why"] = fit.why;
+  if (fit.alignment) {
+    const auto pairs = PairFixes(result.truth.fixes, result.trajectory, *antenna_in_left,
+                                 *fit.alignment, options.alignment);
+    if (const auto metrics = CompareRtk(pairs, *fit.alignment)) {
+      json["rtk"].update(ToJson(*metrics));
+    }
+  }
   std::error_code ignored;
   const auto& rocks = result.truth.surveyed_rocks;
   if (!fit.alignment || rocks.empty() || !fs::exists(result.map_ply, ignored)) return json;

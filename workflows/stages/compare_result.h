@@ -48,7 +48,8 @@ struct SurveyOptions {
   const RockSurveyOptions& survey;
 };
 
-// `rtk`: how the trajectory lies on the satellite fixes, or why it cannot be laid there; and where
+// `rtk`: how the trajectory lies on the satellite fixes and how far from them (rtk_metrics.h), or
+// why it cannot be laid there; and where
 // it can and there are surveyed rocks, `surveyed_rocks` (rock_survey.h). Null where there are no
 // fixes.
 nlohmann::ordered_json CompareWithSurvey(const SurveyedResult& result,
