@@ -8,7 +8,7 @@
 
 #include "core/error.h"
 #include "georeference/local_frame.h"
-#include "georeference/utm.h"
+#include "georeference/utm_grid.h"
 
 namespace rigmap {
 namespace {
@@ -17,12 +17,13 @@ constexpr double kBody_m = 0.15;  // half the height of a small rock
 constexpr int kMinFrames = 2;     // a place that fewer see is not kept in a map
 
 Eigen::Vector2d PositionInPlane(const GridPosition& position, const LocalFrame& plane) {
-  if (position.epsg != kUtm31Epsg) {
-    throw DataError(fmt::format("surveyed rocks: expected positions in EPSG:{}, found EPSG:{}",
-                                kUtm31Epsg, position.epsg));
+  const auto zone = UtmZoneOfEpsg(position.epsg);
+  if (!zone) {
+    throw DataError(fmt::format("surveyed rocks: expected positions in a UTM zone, found EPSG:{}",
+                                position.epsg));
   }
   const Geodetic geodetic =
-      FromUtm31(position.easting_m, position.northing_m, plane.origin().altitude_m);
+      FromUtm(*zone, position.easting_m, position.northing_m, plane.origin().altitude_m);
   return plane.ToEnu(geodetic).head<2>();
 }
 

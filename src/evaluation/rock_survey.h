@@ -66,7 +66,7 @@ struct AlignedSurvey {
 // One to one, nearest first, within half a width and the sigmas. All surveyed rocks take part; rows
 // are kept for those near the path of which a third is inside both images of two frames. One that
 // hides behind another counts as well. Throws UsageError for options out of range, DataError for
-// positions on another grid than UTM 31N.
+// positions on another grid than a UTM zone.
 RockSurvey CompareWithSurvey(const RockSegmentation& map, const RoverViews& views,
                              const AlignedSurvey& survey, const RockSurveyOptions& options = {});
 
