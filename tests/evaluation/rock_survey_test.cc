@@ -44,9 +44,9 @@ class RockSurveyTest : public testing::Test {
   SurveyedLandmark Survey(const std::string& kind, const Eigen::Vector2d& x_in_world) const {
     const LocalFrame plane(alignment_.plane_origin);
     const Eigen::Vector2d position = alignment_.plane_from_world * x_in_world;
-    const Geodetic place = plane.ToGeodetic({position.x(), position.y(), 0.0});
-    const UtmZone zone = UtmZoneOf(place);
-    const UtmPoint utm = ToUtm(zone, place);
+    const Geodetic geodetic = plane.ToGeodetic({position.x(), position.y(), 0.0});
+    const UtmZone zone = UtmZoneOf(geodetic);
+    const UtmPoint utm = ToUtm(zone, geodetic);
     return {kind, {zone.Epsg(), utm.easting_m, utm.northing_m}};
   }
 

@@ -67,7 +67,7 @@ TEST(RtkAlignment, FindsMotionAndClockWithinItsSigmas) {
   EXPECT_LT(normalised_square, 1.8);
 }
 
-TEST(RtkAlignment, PairsTheFixesThatAgreeWithItWithTheirPlacesOnThePath) {
+TEST(RtkAlignment, PairsTheFixesThatAgreeWithItWithThePath) {
   SeededRandom random;
   const RoverDrive drive(SCurve(), 60.0);
   auto fixes = drive.Fixes(RandomPlacing(random), 0.8, random);
