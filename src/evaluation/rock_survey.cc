@@ -142,7 +142,8 @@ RockSurvey CompareWithSurvey(const RockSegmentation& map, const RoverViews& view
   std::vector<SurveyRow> rows;
   for (const SurveyedLandmark& rock : survey.rocks) {
     SurveyRow row{.surveyed = rock, .position_in_plane = PositionInPlane(rock.position, plane)};
-    const double sigma_m = alignment.SigmaAt(world_from_plane * row.position_in_plane);
+    row.position_in_world = world_from_plane * row.position_in_plane;
+    const double sigma_m = alignment.SigmaAt(row.position_in_world);
     row.limit_m = MatchLimit(rock, sigma_m, options);
     rows.push_back(row);
   }
@@ -150,8 +151,7 @@ RockSurvey CompareWithSurvey(const RockSegmentation& map, const RoverViews& view
   result.segmented = static_cast<int>(map.rocks.size());
   result.unknown = result.segmented - Match(map.rocks, alignment.plane_from_world, rows);
   for (const SurveyRow& row : rows) {
-    const Eigen::Vector2d position = world_from_plane * row.position_in_plane;
-    if (!ShouldShow(position, row.surveyed.kind, views, map.ground, options)) continue;
+    if (!ShouldShow(row.position_in_world, row.surveyed.kind, views, map.ground, options)) continue;
     result.found += row.found ? 1 : 0;
     result.rows.push_back(row);
   }

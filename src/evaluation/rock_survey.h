@@ -38,6 +38,7 @@ struct RockSurveyOptions {
 struct SurveyRow {
   SurveyedLandmark surveyed;
   Eigen::Vector2d position_in_plane = Eigen::Vector2d::Zero();  // surveyed; east, north, m
+  Eigen::Vector2d position_in_world = Eigen::Vector2d::Zero();  // the same in the map, m
   double limit_m = 0.0;                // how far from there a rock was looked for
   std::optional<SegmentedRock> found;  // nothing: not in the map
   // East and north from the surveyed position to the middle of what the map shows, m. Where found.
@@ -71,7 +72,8 @@ RockSurvey CompareWithSurvey(const RockSegmentation& map, const RoverViews& view
                              const AlignedSurvey& survey, const RockSurveyOptions& options = {});
 
 // Keys of evaluation.json, lengths in metres: expected, found, segmented, unknown, and `each`:
-// size, easting, northing, found, and where found east, north, distance, height, width.
+// size, easting, northing, x, y (of the map's world), found, and where found east, north, distance,
+// height, width.
 nlohmann::ordered_json ToJson(const RockSurvey& survey);
 // clock_offset_s, clock_offset_sigma_s (where determined), heading_deg, rms_residual_m, used,
 // rejected and the plane's origin.

@@ -76,6 +76,7 @@ TEST_F(RockSurveyTest, TakesPositionsOfAnyUtmZone) {
   ASSERT_EQ(survey.rows.size(), 1U);
   ASSERT_TRUE(survey.rows[0].found);
   EXPECT_NEAR(survey.rows[0].offset_m.norm(), 0.05, 1e-3);
+  EXPECT_LT((survey.rows[0].position_in_world - position).norm(), 1e-3);
 }
 
 TEST_F(RockSurveyTest, TellsHowFarARockIsFromItsSurveyedPosition) {
