@@ -39,16 +39,29 @@ constexpr std::array kEvaluated{
     Source{"rock_stretch", "/rocks/stretch_max_off"},
     Source{"rock_top_mm", "/rocks/top_max_mm"},
     Source{"rock_ghosts_pct", "/rocks/ghost_max_pct"},
-    Source{"rtk_rms_m", "/rtk/rms_m"},
+    Source{"rtk_rms_m", "/rtk/rms_residual_m"},
+    Source{"rtk_noise_m", "/rtk/noise_m"},
+    Source{"rtk_rms_pct", "/rtk/rms_pct"},
+    Source{"rtk_height_rms_m", "/rtk/height_rms_m"},
+    Source{"rtk_height_noise_m", "/rtk/height_noise_m"},
+    Source{"rtk_scale_error_pct", "/rtk/scale_error_pct"},
     Source{"odometry_ate_pct", "/steps/odometry/ate_se3_pct"},
     Source{"odometry_scale_error_pct", "/steps/odometry/scale_error_pct"},
     Source{"mapping_ate_pct", "/steps/mapping/ate_se3_pct"},
     Source{"mapping_scale_error_pct", "/steps/mapping/scale_error_pct"}};
+// What a prism's track says of the same, in the plane.
+constexpr std::array kTracked{Source{"path_m", "/truth_path_m"},
+                              Source{"ate_se3_m", "/rms_se2_m"},
+                              Source{"ate_se3_pct", "/rms_se2_pct"},
+                              Source{"scale", "/scale_truth_over_est"},
+                              Source{"odometry_ate_pct", "/steps/odometry/rms_se2_pct"},
+                              Source{"mapping_ate_pct", "/steps/mapping/rms_se2_pct"}};
 constexpr std::array kDriftLengths{5, 10, 25, 50, 100};
 
 // Columns that tell rows apart or are words.
-const std::array<std::string, 10> kWords{"part",  "technique", "setting", "repeat", "run",
-                                         "truth", "exit",      "status",  "reason", "verdict"};
+const std::array<std::string, 11> kWords{"part",   "technique", "setting",  "repeat",
+                                         "run",    "truth",     "exit",     "status",
+                                         "reason", "verdict",   "judged_by"};
 
 bool IsNumber(const std::string& column) {
   return std::ranges::find(kWords, column) == kWords.end();
@@ -74,7 +87,15 @@ Json ParseFile(const std::filesystem::path& path) {
 }
 
 void PutEvaluation(const Json& evaluation, Json& row) {
+  const bool tracked = evaluation.contains("rms_se2_m");
+  row["judged_by"] = tracked                            ? Json(kPrismJudge)
+                     : evaluation.contains("ate_se3_m") ? Json("poses")
+                                                        : Json(nullptr);
   for (const Source& source : kEvaluated) row[source.name] = At(evaluation, source.pointer);
+  if (tracked) {
+    for (const Source& source : kTracked) row[source.name] = At(evaluation, source.pointer);
+    row["scale_error_pct"] = 100.0 * std::abs(row["scale"].get<double>() - 1.0);
+  }
   for (const int length_m : kDriftLengths) {
     Json& cell = row[fmt::format("drift_{}m_pct", length_m)] = nullptr;
     for (const Json& drift : At(evaluation, "/drift/segments")) {
@@ -128,6 +149,7 @@ Json MedianOfGroup(const std::vector<const Json*>& rows, const std::vector<std::
   Json medians = {{"part", rows.front()->at("part")},
                   {"technique", rows.front()->at("technique")},
                   {"setting", rows.front()->at("setting")},
+                  {"judged_by", rows.front()->value("judged_by", Json(nullptr))},
                   {"runs", rows.size()}};
   for (const char* status : {"ok", "untrusted", "failed"}) {
     medians[status] =

@@ -18,6 +18,10 @@ struct RunName {
 
 using ComparisonRow = nlohmann::ordered_json;
 
+// In the cell `judged_by` of a row whose ATE and scale are those of a prism's track; of true poses
+// it is "poses".
+inline constexpr const char* kPrismJudge = "prism, horizontal";
+
 // From what `rigmap part` has left in `out`: summary.json, evaluation.json. Numbers that do not
 // exist are null. Where the run could not be done, its exit code and the reason. Throws DataError
 // where `out` holds no summary.

@@ -21,6 +21,10 @@ std::string CsvCell(const Json& value) {
   return fmt::format("\"{}\"", text);
 }
 
+bool IsHorizontal(const Json& medians) {
+  return medians.contains("judged_by") && medians["judged_by"] == kPrismJudge;
+}
+
 // A column of the table for people.
 struct Column {
   std::string heading;
@@ -35,6 +39,14 @@ Column Figure(const std::string& heading, const std::string& name, int decimals)
                 fmt::format("{:.{}f}", medians[name]["median"].get<double>(), decimals);
             return spread > 0.0 ? fmt::format("{}±{:.{}f}", median, 0.5 * spread, decimals)
                                 : median;
+          }};
+}
+
+// The error of a row that a prism judges is marked.
+Column AteFigure(const std::string& heading, const std::string& name, int decimals) {
+  const Column figure = Figure(heading, name, decimals);
+  return {heading, [=](const Json& medians) {
+            return figure.text(medians) + (IsHorizontal(medians) ? " h" : "");
           }};
 }
 
@@ -74,8 +86,8 @@ std::string FormatComparison(const Json& comparison) {
                                                           medians["failed"].get<int>());
                                      }},
                                     Figure("posed %", "coverage_pct", 0),
-                                    Figure("ATE m", "ate_se3_m", 4),
-                                    Figure("ATE %", "ate_se3_pct", 4),
+                                    AteFigure("ATE m", "ate_se3_m", 4),
+                                    AteFigure("ATE %", "ate_se3_pct", 4),
                                     Figure("scale %", "scale_error_pct", 3),
                                     Figure("says %", "scale_95_pct", 2),
                                     Figure("height m", "height_rms_m", 4),
@@ -96,6 +108,9 @@ std::string FormatComparison(const Json& comparison) {
     }
   }
   for (std::string& line : lines) line.erase(line.find_last_not_of(' ') + 1);
+  if (std::ranges::any_of(medians, IsHorizontal)) {
+    lines.push_back("h: horizontal, beside the track of a prism");
+  }
   return fmt::format("{}\n", fmt::join(lines, "\n"));
 }
 

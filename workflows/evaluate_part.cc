@@ -21,7 +21,14 @@ namespace {
 void RequireMatch(const nlohmann::ordered_json& metrics, const std::filesystem::path& truth,
                   const EvaluationOptions& options) {
   const double coverage = metrics.value("coverage", 0.0);
-  if (!metrics.contains("error") || (metrics["frames"] < kMinMatches && coverage > 0.0)) return;
+  if (!metrics.contains("error")) return;
+  if (metrics.contains("inside")) {
+    throw DataError(
+        fmt::format("{}: expected a track of the time of the result, found {} of its {} "
+                    "poses in it",
+                    truth.string(), metrics["inside"].get<int>(), metrics["frames"].get<int>()));
+  }
+  if (metrics["frames"] < kMinMatches && coverage > 0.0) return;
   throw DataError(fmt::format(
       "{}: expected poses within {} s of the result's, found {} in the time of its {} poses of "
       "which {:.0f} % match",
@@ -110,7 +117,9 @@ std::string Standing(const std::filesystem::path& out) {
 
 std::filesystem::path TruthFile(const std::filesystem::path& truth) {
   if (!std::filesystem::is_directory(truth)) return truth;
-  if (std::filesystem::exists(truth / "trajectory.tum")) return truth / "trajectory.tum";
+  for (const char* name : {"trajectory.tum", "groundtruth_tum.txt", "groundtruth_xy.txt"}) {
+    if (std::filesystem::exists(truth / name)) return truth / name;
+  }
   for (const auto& entry : std::filesystem::directory_iterator(truth)) {
     if (std::filesystem::exists(entry.path() / "trajectory.tum")) {
       throw DataError(fmt::format("{}: expected trajectory.tum in it, found {} that holds one",

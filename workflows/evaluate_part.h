@@ -13,8 +13,8 @@ struct EvaluateRequest {
   bool json = false;
 };
 
-// The TUM file that a --truth names: itself, or trajectory.tum in a folder. Throws DataError if the
-// folder holds none.
+// The file that a --truth names: itself, or in a folder trajectory.tum, groundtruth_tum.txt or
+// groundtruth_xy.txt, a prism's track. Throws DataError if the folder holds none.
 std::filesystem::path TruthFile(const std::filesystem::path& truth);
 
 // The same for a traverse: a file, or a folder with trajectory.tum or one for each of its parts.

@@ -26,7 +26,7 @@ PartResult Run(const JoinRequest& request, const PartRequest& whole, UnionOfPart
                const FolderMark& mark) {
   std::string& truth = united.dataset.truth_path;
   if (whole.truth) truth = fs::absolute(WholeTruth(*whole.truth)).string();
-  if (!truth.empty()) ReadTruth(truth);
+  if (!truth.empty()) RequireTruth(truth);
   united.parts.missing.insert(united.parts.missing.begin(), request.missing.begin(),
                               request.missing.end());
   std::optional<SplitFixes> tie_to;

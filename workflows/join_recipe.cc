@@ -50,7 +50,8 @@ StageGraph JoinRecipe(const Dataset& data, const DatasetContent& data_content,
                       const JoinedParts& joined_parts, const KnownDepths& part_depths,
                       const std::optional<SplitFixes>& tie_to, const PartOptions& o) {
   StageGraph g;
-  const auto [dataset, content, truth, fixes, colmap] = AddPartInputs(g, data, data_content, o.colmap);
+  const auto [dataset, content, truth, fixes, colmap] =
+      AddPartInputs(g, data, data_content, o.colmap);
   const auto open_parts = [joined_parts] { return std::pair(KeyOf(joined_parts), joined_parts); };
   const auto open_depths = [part_depths] { return std::pair(KeyOf(part_depths), part_depths); };
   const auto parts = g.AddSource<JoinedParts>("parts", open_parts, ReportParts);
@@ -77,10 +78,10 @@ StageGraph JoinRecipe(const Dataset& data, const DatasetContent& data_content,
   g.AddCheck(JoinGates(), Reading(), parts, adjusted);
   auto final_part = adjusted;
   if (tie_to) {
-    const auto open_fixes = [fixes = *tie_to] { return std::pair(KeyOf(fixes), fixes); };
-    const auto fixes = g.AddSource<SplitFixes>("fixes", open_fixes);
+    const auto open_fixes = [all = *tie_to] { return std::pair(KeyOf(all), all); };
+    const auto split = g.AddSource<SplitFixes>("split_fixes", open_fixes);
     final_part = g.AddView(
-        PartOf, g.AddStage(TieToFixes(), Reading(o.georeference), dataset, adjusted, parts, fixes));
+        PartOf, g.AddStage(TieToFixes(), Reading(o.georeference), dataset, adjusted, parts, split));
   }
   g.AddStage(PartPoseGraph(), Reading(), matches, final_part);
   const auto posed = g.AddView(PosedByAdjustment, dataset, final_part);

@@ -85,7 +85,7 @@ int Main(int argc, char** argv) {
   std::string truth;
   CLI::App* evaluation = app.add_subcommand("evaluate", "Compare a result with a truth");
   evaluation->add_option("out", evaluate.out, "Folder with the results")->required();
-  evaluation->add_option("--truth", truth, "TUM file, or folder with trajectory.tum");
+  evaluation->add_option("--truth", truth, "TUM file, track of a prism, or folder with one");
   evaluation->add_flag("--json", evaluate.json, "Print one line of JSON instead of a table");
   CalibrateRequest calibrate;
   std::vector<std::string> outs;

@@ -4,21 +4,21 @@
 #include <opencv2/core.hpp>
 
 #include "dataset/open_dataset.h"
-#include "export/tum.h"
 #include "workflows/evaluate_part.h"
 #include "workflows/run_in_folder.h"
+#include "workflows/stages/compare_result.h"
 
 namespace rigmap {
 namespace {
 
 namespace fs = std::filesystem;
 
-// The dataset with the truth that it is to be compared with: a TUM file that can be read. Known to
-// be wrong now, not when all work is done.
+// The dataset with the truth that it is to be compared with, which can be read. Known to be wrong
+// now, not when all work is done.
 Dataset OpenWithTruth(const PartRequest& request) {
   Dataset dataset = OpenDataset(request.dataset);
   if (request.truth) dataset.truth_path = fs::absolute(TruthFile(*request.truth)).string();
-  if (!dataset.truth_path.empty()) ReadTum(dataset.truth_path);
+  if (!dataset.truth_path.empty()) RequireTruth(dataset.truth_path);
   return dataset;
 }
 

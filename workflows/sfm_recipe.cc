@@ -26,7 +26,7 @@ FreeCameras AddFreeCameras(StageGraph& g, const Dataset& data, const DatasetCont
   const auto gates =
       g.AddCheck(FreeCameraGates(),
                  Reading(o.gates.mapping, o.gates.poses, o.gates.adjustment, o.gates.calibration),
-                 in.dataset, aligned, part);
+                 in.dataset, models, aligned, part);
   return {in, g.AddView(PosedByAdjustment, in.dataset, part), gates};
 }
 

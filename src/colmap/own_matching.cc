@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <optional>
 #include <regex>
 
@@ -42,22 +43,28 @@ void RunFeatureExtractor(const ColmapInstallation& colmap, const OwnMatchingRequ
   RunWithProgress(colmap, command, request, kProcessed, "extracting features");
 }
 
+// COLMAP says nothing until a whole call's pairs are done, and one of images with 10 000 keypoints
+// takes it seconds: so many that its silence is not taken for its end.
 void RunMatchesImporter(const ColmapInstallation& colmap, const OwnMatchingRequest& request,
-                        const std::vector<std::pair<std::string, std::string>>& pairs,
+                        std::span<const std::pair<std::string, std::string>> pairs,
                         const std::filesystem::path& pair_list) {
+  constexpr std::size_t kPairsPerCall = 20;
   std::filesystem::create_directories(pair_list.parent_path());
-  WriteFileAtomically(pair_list, [&](std::ostream& stream) {
-    for (const auto& [a, b] : pairs) stream << a << ' ' << b << '\n';
-  });
-  CommandLine command("matches_importer");
-  command.Path("database_path", request.database)
-      .Path("match_list_path", pair_list)
-      .Text("match_type", "pairs")
-      .Number("random_seed", 0)
-      .Number("SiftMatching.use_gpu", 0)
-      .Number("SiftMatching.num_threads", request.threads);
-  static const std::regex kBlock("Matching block \\[([0-9]{1,9})/");
-  RunWithProgress(colmap, command, request, kBlock, "matching features");
+  for (std::size_t done = 0; done < pairs.size(); done += kPairsPerCall) {
+    const auto batch = pairs.subspan(done, std::min(kPairsPerCall, pairs.size() - done));
+    WriteFileAtomically(pair_list, [&](std::ostream& stream) {
+      for (const auto& [a, b] : batch) stream << a << ' ' << b << '\n';
+    });
+    CommandLine command("matches_importer");
+    command.Path("database_path", request.database)
+        .Path("match_list_path", pair_list)
+        .Text("match_type", "pairs")
+        .Number("random_seed", 0)
+        .Number("SiftMatching.use_gpu", 0)
+        .Number("SiftMatching.num_threads", request.threads);
+    RunTool(ProcessOf(colmap, command, request.log, request.threads), "matching features");
+    if (request.on_progress) request.on_progress(static_cast<int>(done + batch.size()));
+  }
 }
 
 }  // namespace rigmap

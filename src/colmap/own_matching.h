@@ -3,9 +3,9 @@
 
 #include <filesystem>
 #include <functional>
+#include <span>
 #include <string>
 #include <utility>
-#include <vector>
 
 #include "colmap/installation.h"
 
@@ -27,7 +27,7 @@ void RunFeatureExtractor(const ColmapInstallation& colmap, const OwnMatchingRequ
 // two-view geometry. `pair_list` is where their names are written for COLMAP. Throws ToolError when
 // it fails, DataError where the list cannot be written.
 void RunMatchesImporter(const ColmapInstallation& colmap, const OwnMatchingRequest& request,
-                        const std::vector<std::pair<std::string, std::string>>& pairs,
+                        std::span<const std::pair<std::string, std::string>> pairs,
                         const std::filesystem::path& pair_list);
 
 }  // namespace rigmap

@@ -5,13 +5,14 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
+#include <regex>
 #include <sstream>
 #include <string_view>
 
 #include "core/error.h"
 #include "core/file.h"
 #include "dataset/internal/text_row.h"
-#include "georeference/utm.h"
 
 namespace rigmap {
 namespace {
@@ -82,14 +83,23 @@ std::optional<Coordinates> MostFrequent(const std::vector<Row>& rows) {
   return static_cast<Coordinates>(most - counts.begin());
 }
 
-GnssFix Locate(const Row& row) {
+// Of gps-utm31.txt and gps-utm19s.txt; nothing for another name.
+std::optional<UtmZone> ZoneInName(const std::string& name) {
+  static const std::regex kName("gps-utm([0-9]{1,2})([ns]?)\\.txt");
+  std::smatch match;
+  if (!std::regex_match(name, match, kName)) return std::nullopt;
+  const UtmZone zone{std::stoi(match[1]), match[2] != "s"};
+  return zone.number >= 1 && zone.number <= 60 ? std::optional(zone) : std::nullopt;
+}
+
+GnssFix Locate(const Row& row, const UtmZone& zone) {
   GnssFix fix = row.fix;
   fix.latitude_deg = row.first;
   fix.longitude_deg = row.second;
   if (*row.coordinates == Coordinates::kLatitudeFirst) return fix;
   const bool easting_first = *row.coordinates == Coordinates::kEastingFirst;
-  const Geodetic position = FromUtm31(easting_first ? row.first : row.second,
-                                      easting_first ? row.second : row.first, fix.altitude_m);
+  const Geodetic position = FromUtm(zone, easting_first ? row.first : row.second,
+                                    easting_first ? row.second : row.first, fix.altitude_m);
   fix.latitude_deg = position.latitude_deg;
   fix.longitude_deg = position.longitude_deg;
   return fix;
@@ -97,7 +107,7 @@ GnssFix Locate(const Row& row) {
 
 }  // namespace
 
-GnssReading ReadGnssFile(const fs::path& path) {
+GnssReading ReadGnssFile(const fs::path& path, const UtmZone& zone) {
   const std::vector<Row> rows = ParseRows(ReadTextFile(path));
   const auto coordinates = MostFrequent(rows);
   if (!coordinates) {
@@ -109,7 +119,7 @@ GnssReading ReadGnssFile(const fs::path& path) {
   std::vector<const Row*> left_out;
   for (const Row& row : rows) {
     if (row.coordinates == coordinates) {
-      reading.fixes.push_back(Locate(row));
+      reading.fixes.push_back(Locate(row, zone));
     } else {
       left_out.push_back(&row);
     }
@@ -125,12 +135,16 @@ GnssReading ReadGnssFile(const fs::path& path) {
 }
 
 std::optional<GnssReading> ReadGnss(const fs::path& part_folder) {
-  for (const char* name : {"gps-latlong.txt", "gps-utm31.txt"}) {
-    const fs::path path = part_folder / name;
-    std::error_code ignored;
-    if (fs::is_regular_file(path, ignored)) return ReadGnssFile(path);
+  std::error_code ignored;
+  const fs::path degrees = part_folder / "gps-latlong.txt";
+  if (fs::is_regular_file(degrees, ignored)) return ReadGnssFile(degrees);
+  std::map<fs::path, UtmZone> grids;
+  for (const auto& entry : fs::directory_iterator(part_folder, ignored)) {
+    const auto zone = ZoneInName(entry.path().filename().string());
+    if (zone && entry.is_regular_file(ignored)) grids.emplace(entry.path(), *zone);
   }
-  return std::nullopt;
+  if (grids.empty()) return std::nullopt;
+  return ReadGnssFile(grids.begin()->first, grids.begin()->second);
 }
 
 }  // namespace rigmap

@@ -93,6 +93,15 @@ struct Opened {
   fs::path default_rig;  // empty: none
 };
 
+// That rocks are surveyed in: the one that maps of the place are drawn in; Katwijk's where no fix
+// tells the place.
+UtmZone ZoneOf(const std::vector<GnssFix>& fixes) {
+  if (fixes.empty()) return {};
+  const GnssFix& fix = fixes.front();
+  const Geodetic position{fix.latitude_deg, fix.longitude_deg, fix.altitude_m};
+  return HasUtmZone(position) ? UtmZoneOf(position) : UtmZone{};
+}
+
 // Fixes and surveyed rocks are for judging a result: it can be made without them.
 void ReadSurvey(const KatwijkPart& part, Dataset& dataset) {
   auto& remarks = dataset.health.remarks;
@@ -101,7 +110,7 @@ void ReadSurvey(const KatwijkPart& part, Dataset& dataset) {
       dataset.fixes = std::move(reading->fixes);
       remarks.insert(remarks.end(), reading->remarks.begin(), reading->remarks.end());
     }
-    dataset.surveyed_landmarks = ReadRockSurvey(part);
+    dataset.surveyed_landmarks = ReadRockSurvey(part, ZoneOf(dataset.fixes));
   } catch (const DataError& error) {
     remarks.push_back(fmt::format("{}; the result is not compared with it", error.what()));
   }

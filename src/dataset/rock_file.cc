@@ -11,7 +11,6 @@
 #include "core/error.h"
 #include "core/file.h"
 #include "dataset/internal/text_row.h"
-#include "georeference/utm.h"
 
 namespace rigmap {
 namespace {
@@ -63,7 +62,8 @@ std::optional<RockRow> ParseRock(std::string_view line) {
 
 }  // namespace
 
-std::vector<SurveyedLandmark> ReadRockFile(const fs::path& path, const std::string& kind) {
+std::vector<SurveyedLandmark> ReadRockFile(const fs::path& path, const std::string& kind,
+                                           const UtmZone& zone) {
   std::vector<SurveyedLandmark> rocks;
   std::optional<GridColumns> columns;
   std::istringstream stream(ReadTextFile(path));
@@ -74,20 +74,20 @@ std::vector<SurveyedLandmark> ReadRockFile(const fs::path& path, const std::stri
     const auto row = ParseRock(line);
     if (!row || row->columns != columns.value_or(row->columns)) {
       throw DataError(
-          fmt::format("{}:{}: expected easting and northing in UTM 31N metres, in the same order "
+          fmt::format("{}:{}: expected easting and northing in UTM {} metres, in the same order "
                       "in all rows, found '{}'",
-                      path.string(), number, line));
+                      path.string(), number, zone.Name(), line));
     }
     columns = row->columns;
     const bool easting_first = *columns == GridColumns::kEastingFirst;
     rocks.push_back({kind,
-                     {kUtm31Epsg, easting_first ? row->first : row->second,
+                     {zone.Epsg(), easting_first ? row->first : row->second,
                       easting_first ? row->second : row->first}});
   }
   return rocks;
 }
 
-std::vector<SurveyedLandmark> ReadRockSurvey(const KatwijkPart& part) {
+std::vector<SurveyedLandmark> ReadRockSurvey(const KatwijkPart& part, const UtmZone& zone) {
   std::vector<SurveyedLandmark> rocks;
   const auto rock_data = FindRockData(part);
   if (!rock_data) return rocks;
@@ -98,7 +98,7 @@ std::vector<SurveyedLandmark> ReadRockSurvey(const KatwijkPart& part) {
         *rock_data / list->folder / fmt::format("{}-rocks-traverse{}.txt", kind, list->traverse);
     std::error_code ignored;
     if (!fs::is_regular_file(path, ignored)) continue;
-    const auto of_kind = ReadRockFile(path, kind);
+    const auto of_kind = ReadRockFile(path, kind, zone);
     rocks.insert(rocks.end(), of_kind.begin(), of_kind.end());
   }
   return rocks;

@@ -124,9 +124,13 @@ Dataset ReadStereoFolder(const fs::path& folder) {
   NoteUnreadable(left, dataset.health);
   NoteUnreadable(right, dataset.health);
   RemarkOnNames(dataset.frames, dataset.health);
-  const fs::path truth = folder / "groundtruth_tum.txt";
-  std::error_code ignored;
-  if (fs::is_regular_file(truth, ignored)) dataset.truth_path = truth.string();
+  for (const char* name : {"groundtruth_tum.txt", "groundtruth_xy.txt"}) {
+    const fs::path truth = folder / name;
+    std::error_code ignored;
+    if (dataset.truth_path.empty() && fs::is_regular_file(truth, ignored)) {
+      dataset.truth_path = truth.string();
+    }
+  }
   return dataset;
 }
 

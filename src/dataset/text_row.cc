@@ -10,7 +10,7 @@ namespace rigmap {
 namespace {
 
 constexpr std::string_view kBlanks = " \t\r";
-constexpr double kMinEasting_m = 1.0e5, kMaxEasting_m = 9.0e5, kMaxNorthing_m = 9.4e6;
+constexpr double kMinEasting_m = 1.0e5, kMaxEasting_m = 9.0e5, kMaxNorthing_m = 1.0e7;
 
 bool IsEasting(double metres) { return metres >= kMinEasting_m && metres <= kMaxEasting_m; }
 bool IsNorthing(double metres) { return metres > kMaxEasting_m && metres <= kMaxNorthing_m; }

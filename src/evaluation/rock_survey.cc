@@ -8,7 +8,7 @@
 
 #include "core/error.h"
 #include "georeference/local_frame.h"
-#include "georeference/utm.h"
+#include "georeference/utm_grid.h"
 
 namespace rigmap {
 namespace {
@@ -17,12 +17,13 @@ constexpr double kBody_m = 0.15;  // half the height of a small rock
 constexpr int kMinFrames = 2;     // a place that fewer see is not kept in a map
 
 Eigen::Vector2d PositionInPlane(const GridPosition& position, const LocalFrame& plane) {
-  if (position.epsg != kUtm31Epsg) {
-    throw DataError(fmt::format("surveyed rocks: expected positions in EPSG:{}, found EPSG:{}",
-                                kUtm31Epsg, position.epsg));
+  const auto zone = UtmZoneOfEpsg(position.epsg);
+  if (!zone) {
+    throw DataError(fmt::format("surveyed rocks: expected positions in a UTM zone, found EPSG:{}",
+                                position.epsg));
   }
   const Geodetic geodetic =
-      FromUtm31(position.easting_m, position.northing_m, plane.origin().altitude_m);
+      FromUtm(*zone, position.easting_m, position.northing_m, plane.origin().altitude_m);
   return plane.ToEnu(geodetic).head<2>();
 }
 
@@ -141,7 +142,8 @@ RockSurvey CompareWithSurvey(const RockSegmentation& map, const RoverViews& view
   std::vector<SurveyRow> rows;
   for (const SurveyedLandmark& rock : survey.rocks) {
     SurveyRow row{.surveyed = rock, .position_in_plane = PositionInPlane(rock.position, plane)};
-    const double sigma_m = alignment.SigmaAt(world_from_plane * row.position_in_plane);
+    row.position_in_world = world_from_plane * row.position_in_plane;
+    const double sigma_m = alignment.SigmaAt(row.position_in_world);
     row.limit_m = MatchLimit(rock, sigma_m, options);
     rows.push_back(row);
   }
@@ -149,8 +151,7 @@ RockSurvey CompareWithSurvey(const RockSegmentation& map, const RoverViews& view
   result.segmented = static_cast<int>(map.rocks.size());
   result.unknown = result.segmented - Match(map.rocks, alignment.plane_from_world, rows);
   for (const SurveyRow& row : rows) {
-    const Eigen::Vector2d position = world_from_plane * row.position_in_plane;
-    if (!ShouldShow(position, row.surveyed.kind, views, map.ground, options)) continue;
+    if (!ShouldShow(row.position_in_world, row.surveyed.kind, views, map.ground, options)) continue;
     result.found += row.found ? 1 : 0;
     result.rows.push_back(row);
   }

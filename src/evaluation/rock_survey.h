@@ -38,6 +38,7 @@ struct RockSurveyOptions {
 struct SurveyRow {
   SurveyedLandmark surveyed;
   Eigen::Vector2d position_in_plane = Eigen::Vector2d::Zero();  // surveyed; east, north, m
+  Eigen::Vector2d position_in_world = Eigen::Vector2d::Zero();  // the same in the map, m
   double limit_m = 0.0;                // how far from there a rock was looked for
   std::optional<SegmentedRock> found;  // nothing: not in the map
   // East and north from the surveyed position to the middle of what the map shows, m. Where found.
@@ -66,12 +67,13 @@ struct AlignedSurvey {
 // One to one, nearest first, within half a width and the sigmas. All surveyed rocks take part; rows
 // are kept for those near the path of which a third is inside both images of two frames. One that
 // hides behind another counts as well. Throws UsageError for options out of range, DataError for
-// positions on another grid than UTM 31N.
+// positions on another grid than a UTM zone.
 RockSurvey CompareWithSurvey(const RockSegmentation& map, const RoverViews& views,
                              const AlignedSurvey& survey, const RockSurveyOptions& options = {});
 
 // Keys of evaluation.json, lengths in metres: expected, found, segmented, unknown, and `each`:
-// size, easting, northing, found, and where found east, north, distance, height, width.
+// size, easting, northing, x, y (of the map's world), found, and where found east, north, distance,
+// height, width.
 nlohmann::ordered_json ToJson(const RockSurvey& survey);
 // clock_offset_s, clock_offset_sigma_s (where determined), heading_deg, rms_residual_m, used,
 // rejected and the plane's origin.

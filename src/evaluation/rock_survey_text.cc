@@ -14,6 +14,8 @@ nlohmann::ordered_json ToJson(const SurveyRow& row) {
   json["size"] = row.surveyed.kind;
   json["easting_m"] = Rounded(row.surveyed.position.easting_m, 3);
   json["northing_m"] = Rounded(row.surveyed.position.northing_m, 3);
+  json["x_m"] = Rounded(row.position_in_world.x(), 3);
+  json["y_m"] = Rounded(row.position_in_world.y(), 3);
   json["limit_m"] = Rounded(row.limit_m, 3);
   json["found"] = row.found.has_value();
   if (!row.found) return json;

@@ -20,22 +20,25 @@ double AntennaPath::SecondsOf(StampNs stamp_ns) const {
   return static_cast<double>(stamp_ns - poses_.front().stamp_ns) * 1e-9;
 }
 
-std::optional<Eigen::Vector2d> AntennaPath::At(double time_s) const {
+std::optional<Eigen::Vector3d> AntennaPath::PositionAt(double time_s) const {
   const auto after = std::ranges::lower_bound(
       poses_, time_s, {},
       [&](const TimedPose& pose) -> double { return SecondsOf(pose.stamp_ns); });
   if (after == poses_.end()) return std::nullopt;
   const double after_s = SecondsOf(after->stamp_ns);
-  const auto seen_from_above = [&](const Rigid3& world_from_left) -> Eigen::Vector2d {
-    return (world_from_left * antenna_in_left_).head<2>();
-  };
-  if (after_s == time_s) return seen_from_above(after->world_from_left);
+  if (after_s == time_s) return after->world_from_left * antenna_in_left_;
   if (after == poses_.begin()) return std::nullopt;
   const auto before = after - 1;
   const double before_s = SecondsOf(before->stamp_ns);
   if (after_s - before_s > max_gap_s_) return std::nullopt;
-  return seen_from_above(Interpolate(before->world_from_left, after->world_from_left,
-                                     (time_s - before_s) / (after_s - before_s)));
+  return Interpolate(before->world_from_left, after->world_from_left,
+                     (time_s - before_s) / (after_s - before_s)) *
+         antenna_in_left_;
+}
+
+std::optional<Eigen::Vector2d> AntennaPath::At(double time_s) const {
+  const auto position = PositionAt(time_s);
+  return position ? std::optional<Eigen::Vector2d>(position->head<2>()) : std::nullopt;
 }
 
 Eigen::Vector2d AntennaPath::VelocityAt(double time_s) const {

@@ -35,6 +35,14 @@ bool HasUtmZone(const Geodetic& position) {
   return position.latitude_deg >= -80.0 && position.latitude_deg < 84.0;
 }
 
+std::optional<UtmZone> UtmZoneOfEpsg(int epsg) {
+  for (const bool north : {true, false}) {
+    const UtmZone zone{epsg - UtmZone{0, north}.Epsg(), north};
+    if (zone.number >= 1 && zone.number <= 60) return zone;
+  }
+  return std::nullopt;
+}
+
 UtmZone UtmZoneOf(const Geodetic& position) {
   RequireValid(position);
   const double latitude_deg = position.latitude_deg;

@@ -1,6 +1,7 @@
 // The map grids of WGS84 / UTM: sixty zones, each with a northern and a southern half.
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "georeference/geodetic.h"
@@ -28,6 +29,8 @@ struct UtmZone {
 // equator is north. Throws DataError beyond 80 degrees south and 84 north, where there is none, and
 // as RequireValid does.
 bool HasUtmZone(const Geodetic& position);
+// The zone of an EPSG number, 32601 to 32660 and 32701 to 32760; nothing for another grid.
+std::optional<UtmZone> UtmZoneOfEpsg(int epsg);
 UtmZone UtmZoneOf(const Geodetic& position);
 
 // Metres of this zone, southern northings counted from 10 000 km; to nanometres as far as 30

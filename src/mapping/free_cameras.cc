@@ -91,7 +91,8 @@ std::size_t MatchFreeCameras(const ColmapInstallation& colmap, const Dataset& da
   request.on_progress = [&](int done) { extraction.Set(static_cast<std::size_t>(done)); };
   RunFeatureExtractor(colmap, request);
   const auto pairs = ImagePairs(dataset.frames, options.overlap);
-  request.on_progress = {};
+  Progress matching("matching", pairs.size());
+  request.on_progress = [&](int done) { matching.Set(static_cast<std::size_t>(done)); };
   RunMatchesImporter(colmap, request, pairs, paths.scratch / "pairs.txt");
   return pairs.size();
 }

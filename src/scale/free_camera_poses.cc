@@ -1,5 +1,7 @@
 #include "scale/free_camera_poses.h"
 
+#include <algorithm>
+#include <cmath>
 #include <map>
 #include <vector>
 
@@ -73,6 +75,16 @@ AlignedKeyframes PoseFreeCameras(const std::vector<SparseModel>& models, int fra
     aligned.models.push_back(std::move(laid));
   }
   return aligned;
+}
+
+double FocalLengthChange(const SparseModel& model, const StereoRig& rig) {
+  double change = 0.0;
+  for (const auto& [eye, camera] : model.cameras) {
+    const Camera& stated = rig.Of(eye).camera;
+    change = std::max(
+        {change, std::abs(camera.fx / stated.fx - 1.0), std::abs(camera.fy / stated.fy - 1.0)});
+  }
+  return change;
 }
 
 }  // namespace rigmap

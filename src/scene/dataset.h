@@ -71,7 +71,7 @@ struct Dataset {
   std::vector<InclinometerSample> inclinometer;  // about one per frame, averaged around its stamp
   WheelRecord wheels;          // from somewhat before the first frame to after the last
   InertialRecord inertial;     // the same, all rows
-  std::string truth_path;      // a TUM file that came with the data; empty: none
+  std::string truth_path;      // poses or a prism's track that came with the data; empty: none
   std::vector<GnssFix> fixes;  // of the rover's satellite receiver
   std::vector<SurveyedLandmark> surveyed_landmarks;  // of the whole traverse
   DatasetHealth health;

@@ -109,6 +109,25 @@ TEST(GnssFile, PrefersDegreesAndNeedsNeither) {
   EXPECT_EQ(ReadGnss(folder.Path())->fixes.size(), 1U);
 }
 
+// A desert in Chile, zone 19 south, and a quarry in California, zone 10.
+TEST(GnssFile, TakesMetresOfTheZoneInItsName) {
+  for (const auto& [position, name] :
+       {std::pair(Geodetic{-23.02, -67.75, 2400.0}, "gps-utm19s.txt"),
+        std::pair(Geodetic{37.9, -122.4, 12.0}, "gps-utm10.txt")}) {
+    const TemporaryFolder folder;
+    const UtmPoint utm = ToUtm(UtmZoneOf(position), position);
+    folder.Write("gps-utm61.txt", "no zone");
+    folder.Write(name, fmt::format("2015_11_26_12_53_39_5 RTK_FIXED {:.6f} {:.6f} {} 0.005 0.004 "
+                                   "0.009\n",
+                                   utm.easting_m, utm.northing_m, position.altitude_m));
+    const auto reading = ReadGnss(folder.Path());
+    ASSERT_TRUE(reading) << name;
+    ASSERT_EQ(reading->fixes.size(), 1U);
+    EXPECT_NEAR(reading->fixes[0].latitude_deg, position.latitude_deg, 1e-10);
+    EXPECT_NEAR(reading->fixes[0].longitude_deg, position.longitude_deg, 1e-10);
+  }
+}
+
 TEST(GnssFile, ReadsARealExcerpt) {
   const char* data = std::getenv("RIGMAP_DATA");
   if (data == nullptr) GTEST_SKIP() << "RIGMAP_DATA is not set";

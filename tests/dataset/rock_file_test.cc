@@ -30,6 +30,14 @@ TEST(RockFile, FindsTheNorthingByItsSize) {
   }
 }
 
+TEST(RockFile, IsOfTheZoneThatItsReaderSays) {
+  const TemporaryFolder folder;
+  const auto rocks =
+      ReadRockFile(folder.Write("rocks.txt", "628100 7453500\n"), "small", {19, false});
+  ASSERT_EQ(rocks.size(), 1U);
+  EXPECT_EQ(rocks[0].position.epsg, 32719);
+}
+
 TEST(RockFile, NamesTheLineThatIsNoPosition) {
   const TemporaryFolder folder;
   for (const std::string bad : {"595685.5", "595685.5 5785795.2 1.0", "595685.5 five", "52.2 4.4",

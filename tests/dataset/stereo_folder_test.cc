@@ -55,6 +55,13 @@ TEST_F(StereoFolderTest, TruthIsFound) {
   EXPECT_EQ(Read().truth_path, path.string());
 }
 
+TEST_F(StereoFolderTest, TrackOfAPrismIsTruthWhereThereAreNoPoses) {
+  const auto track = folder_.Write("groundtruth_xy.txt", "10.5 0 0\n11.5 0 1\n");
+  EXPECT_EQ(Read().truth_path, track.string());
+  const auto poses = folder_.Write("groundtruth_tum.txt", "10.5 0 0 0 0 0 0 1\n");
+  EXPECT_EQ(Read().truth_path, poses.string());
+}
+
 TEST_F(StereoFolderTest, UnevenCountsAreNamed) {
   std::filesystem::remove(folder_.Path() / "right" / "002.png");
   EXPECT_THAT(Complaint(), AllOf(HasSubstr("found 3 and 2; "),

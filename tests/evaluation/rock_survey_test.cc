@@ -8,7 +8,7 @@
 
 #include "core/error.h"
 #include "georeference/local_frame.h"
-#include "georeference/utm.h"
+#include "georeference/utm_grid.h"
 #include "tests/support/seeded_random.h"
 #include "tests/support/synthetic_rover.h"
 
@@ -44,8 +44,10 @@ class RockSurveyTest : public testing::Test {
   SurveyedLandmark Survey(const std::string& kind, const Eigen::Vector2d& x_in_world) const {
     const LocalFrame plane(alignment_.plane_origin);
     const Eigen::Vector2d position = alignment_.plane_from_world * x_in_world;
-    const UtmPoint utm = ToUtm31(plane.ToGeodetic({position.x(), position.y(), 0.0}));
-    return {kind, {kUtm31Epsg, utm.easting_m, utm.northing_m}};
+    const Geodetic geodetic = plane.ToGeodetic({position.x(), position.y(), 0.0});
+    const UtmZone zone = UtmZoneOf(geodetic);
+    const UtmPoint utm = ToUtm(zone, geodetic);
+    return {kind, {zone.Epsg(), utm.easting_m, utm.northing_m}};
   }
 
   void AddRock(const Eigen::Vector2d& x_in_world) {
@@ -62,6 +64,20 @@ class RockSurveyTest : public testing::Test {
   RockSegmentation map_{.rocks = {}, .ground = GroundLevel(HeightGrid())};
   RtkAlignment alignment_;
 };
+
+// The same rocks in Chile, zone 19 south.
+TEST_F(RockSurveyTest, TakesPositionsOfAnyUtmZone) {
+  alignment_.plane_origin = {-23.02, -67.75, 2400.0};
+  const Eigen::Vector2d position(7.0, 1.0);
+  AddRock(position + Eigen::Vector2d(0.03, -0.04));
+  const SurveyedLandmark rock = Survey("small", position);
+  EXPECT_EQ(rock.position.epsg, 32719);
+  const RockSurvey survey = Compare({rock});
+  ASSERT_EQ(survey.rows.size(), 1U);
+  ASSERT_TRUE(survey.rows[0].found);
+  EXPECT_NEAR(survey.rows[0].offset_m.norm(), 0.05, 1e-3);
+  EXPECT_LT((survey.rows[0].position_in_world - position).norm(), 1e-3);
+}
 
 TEST_F(RockSurveyTest, TellsHowFarARockIsFromItsSurveyedPosition) {
   SeededRandom random;
@@ -176,7 +192,7 @@ TEST_F(RockSurveyTest, EmptyMapsAndSurveysHaveNoRows) {
 
 TEST_F(RockSurveyTest, RefusesPositionsOnAnotherGrid) {
   SurveyedLandmark rock = Survey("small", {6.0, 0.5});
-  rock.position.epsg = 32632;
+  rock.position.epsg = 28992;
   EXPECT_THROW(Compare({rock}), DataError);
 }
 

@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "core/error.h"
+#include "georeference/fix_pairs.h"
 #include "georeference/internal/antenna_path.h"
 #include "georeference/local_frame.h"
 #include "tests/georeference/rover_drive.h"
@@ -64,6 +65,28 @@ TEST(RtkAlignment, FindsMotionAndClockWithinItsSigmas) {
   EXPECT_LE(rejected, 3);  // of some 800, a few in ten thousand of which lie beyond four sigmas
   EXPECT_GT(normalised_square, 0.5);
   EXPECT_LT(normalised_square, 1.8);
+}
+
+TEST(RtkAlignment, PairsTheFixesThatAgreeWithItWithThePath) {
+  SeededRandom random;
+  const RoverDrive drive(SCurve(), 60.0);
+  auto fixes = drive.Fixes(RandomPlacing(random), 0.8, random);
+  const auto poses = drive.Poses(0.0, random);
+  fixes[5].latitude_deg += 1e-5;  // a metre
+  fixes[9].status = "RTK_FLOAT";
+  const RtkFit fit = AlignToRtk(fixes, poses, kAntennaInLeft);
+  ASSERT_TRUE(fit.alignment) << fit.why;
+  std::ranges::reverse(fixes);
+  const auto pairs = PairFixes(fixes, poses, kAntennaInLeft, *fit.alignment);
+  EXPECT_EQ(static_cast<int>(pairs.size()), fit.alignment->used);
+  double squares = 0.0;
+  for (const FixPair& pair : pairs) {
+    const Eigen::Vector2d laid = fit.alignment->plane_from_world * pair.antenna_in_world.head<2>();
+    squares += (laid - pair.fix_in_enu.head<2>()).squaredNorm() / static_cast<double>(pairs.size());
+  }
+  EXPECT_NEAR(std::sqrt(squares), fit.alignment->rms_residual_m, 1e-9);
+  const Eigen::Vector3d start = drive.WorldFromLeft(0.0) * kAntennaInLeft;
+  EXPECT_NEAR(pairs.front().antenna_in_world.z(), start.z(), 0.1);  // the camera rolls a little
 }
 
 TEST(RtkAlignment, NeedsTheLeverArm) {

@@ -55,6 +55,16 @@ TEST(UtmGrid, AgreesWithAnotherProgram) {
   }
 }
 
+TEST(UtmGrid, EpsgNumbersNameZonesAndBack) {
+  for (const int epsg : {32601, 32631, 32660, 32701, 32719, 32760}) {
+    ASSERT_TRUE(UtmZoneOfEpsg(epsg)) << epsg;
+    EXPECT_EQ(UtmZoneOfEpsg(epsg)->Epsg(), epsg);
+  }
+  for (const int epsg : {0, 4326, 28992, 32600, 32661, 32700, 32761}) {
+    EXPECT_FALSE(UtmZoneOfEpsg(epsg)) << epsg;
+  }
+}
+
 TEST(UtmGrid, RefusesWhatLiesFarFromTheZone) {
   EXPECT_THROW(ToUtm({31, true}, {52.0, 40.0, 0.0}), DataError);
   EXPECT_THROW(FromUtm({31, true}, 1e8, 0.0, 0.0), DataError);

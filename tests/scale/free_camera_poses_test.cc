@@ -63,6 +63,15 @@ TEST_F(FreeCameraPoses, StandAtTheMidpoint) {
   ExpectTruth(Pose(), 2e-4);
 }
 
+TEST_F(FreeCameraPoses, TellHowFarFocalLengthsWereChanged) {
+  EXPECT_EQ(FocalLengthChange(model_, rover_.rig), 0.0);
+  model_.cameras = {{Eye::kLeft, rover_.rig.left.camera}, {Eye::kRight, rover_.rig.right.camera}};
+  EXPECT_EQ(FocalLengthChange(model_, rover_.rig), 0.0);
+  model_.cameras[0].camera.fx *= 1.01;
+  model_.cameras[1].camera.fy *= 0.96;
+  EXPECT_NEAR(FocalLengthChange(model_, rover_.rig), 0.04, 1e-9);
+}
+
 TEST_F(FreeCameraPoses, AreNoneWithoutAStereoPair) {
   model_.images.resize(1);
   const AlignedKeyframes found = Pose();

@@ -54,6 +54,24 @@ TEST_F(Comparison, RowTellsWhatTheRunHasLeft) {
   EXPECT_TRUE(row["rock_shift_mm"].is_null());
 }
 
+TEST_F(Comparison, TakesWhatAPrismSaysAndTellsThatItIsHorizontal) {
+  WriteSummary("ok", "[]");
+  Write("evaluation.json",
+        R"({"truth_path_m": 4.1, "rms_se2_m": 0.0032, "rms_se2_pct": 0.078,
+            "scale_truth_over_est": 0.996, "steps": {"mapping": {"rms_se2_pct": 0.5}}})");
+  const ComparisonRow row = MakeRow({"yard", "rig", "", 0}, folder_.Path());
+  EXPECT_EQ(row["judged_by"], kPrismJudge);
+  EXPECT_EQ(row["ate_se3_m"], 0.0032);
+  EXPECT_EQ(row["ate_se3_pct"], 0.078);
+  EXPECT_EQ(row["path_m"], 4.1);
+  EXPECT_NEAR(row["scale_error_pct"], 0.4, 1e-9);
+  EXPECT_EQ(row["mapping_ate_pct"], 0.5);
+  EXPECT_TRUE(row["height_rms_m"].is_null());
+  const std::string table = FormatComparison(WriteComparison({row}));
+  EXPECT_THAT(table, HasSubstr("0.0780 h"));
+  EXPECT_THAT(table, HasSubstr("\nh: horizontal, beside the track of a prism\n"));
+}
+
 TEST_F(Comparison, RowNeedsASummary) {
   EXPECT_THAT(MessageOf<DataError>([&] { MakeRow({}, folder_.Path()); }),
               HasSubstr("no summary.json"));

@@ -122,6 +122,27 @@ TEST_F(EvaluatePartTest, RefusesATruthOfAnotherTime) {
               testing::AllOf(HasSubstr(truth_.string()), HasSubstr("0.02 s")));
 }
 
+TEST_F(EvaluatePartTest, ComparesWithTheTrackOfAPrism) {
+  std::string track = "# t x y\n";
+  for (int i = 0; i <= 20; ++i)
+    track += std::to_string(i) + " 5 " + std::to_string(0.11 * i) + "\n";
+  fs::create_directories(out_ / "steps");
+  fs::copy(out_ / "trajectory.tum", out_ / "steps" / "odometry.tum");
+  const auto yard = folder_.Path() / "yard";
+  fs::create_directories(yard);
+  const auto file = WriteTestFile(yard / "groundtruth_xy.txt", track);
+  const json metrics = json::parse(EvaluatePart({out_, yard, true}));
+  EXPECT_NEAR(metrics["scale_truth_over_est"].get<double>(), 1.1, 0.01);
+  EXPECT_GT(metrics["rms_se2_m"], 10.0 * metrics["rms_sim2_m"].get<double>());
+  EXPECT_EQ(metrics["steps"]["odometry"]["rms_se2_m"], metrics["rms_se2_m"]);
+  const auto other = WriteTestFile(folder_.Path() / "prism.txt", track);
+  EXPECT_EQ(json::parse(EvaluatePart({out_, other, true})), metrics);
+  WriteTestFile(file, "1 2 3\n2 x 3\n");
+  EXPECT_THAT(ErrorOf({out_, yard, true}), HasSubstr("groundtruth_xy.txt:2: expected a finite"));
+  WriteTestFile(file, "1001 2 3\n1002 3 3\n");
+  EXPECT_THAT(ErrorOf({out_, yard, true}), HasSubstr("found 0 of its 21 poses"));
+}
+
 TEST_F(EvaluatePartTest, SaysWhatIsMissing) {
   fs::create_directories(folder_.Path() / "empty");
   EXPECT_THAT(ErrorOf({out_, {}, true}), HasSubstr("found no summary.json"));

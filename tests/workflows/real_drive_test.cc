@@ -49,14 +49,10 @@ TEST_F(RealDrive, InASandYardMendsItsWrongRigFile) {
   // With the rig file as it is: 5 % and one pixel from cell to cell.
   EXPECT_LE(summary["depth_consistency"]["place"]["systematic_pct"].get<double>(), 0.4);
   EXPECT_LE(summary["depth_consistency"]["place"]["systematic_px"].get<double>(), 0.07);
-  const fs::path scorer = data_ / ".." / "score" / "prism_metrics.py";
-  if (!fs::exists(scorer) || !fs::exists(kPython)) {
-    GTEST_SKIP() << "the scorer or Debian's python3 is missing: not compared with the prism";
-  }
-  const ProgramEnd scored = RunProgram(
-      kPython, {scorer, out_ / "trajectory.tum", data_ / "sand-line" / "groundtruth_xy.txt"});
-  ASSERT_EQ(scored.exit_code, 0) << scored.err;
-  const json metrics = json::parse(scored.out);
+  const ProgramEnd evaluated =
+      RunRigmap({"evaluate", out_, "--truth", data_ / "sand-line", "--json"});
+  ASSERT_EQ(evaluated.exit_code, 0) << evaluated.err;
+  const json metrics = json::parse(evaluated.out);
   EXPECT_LE(metrics["rms_se2_m"], 0.005);
   // The prism itself is good to a quarter of a per cent.
   const double stated = summary["verdict"]["scale_95_pct"];

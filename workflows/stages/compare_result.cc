@@ -9,8 +9,11 @@
 #include "core/file.h"
 #include "evaluation/map_metrics.h"
 #include "evaluation/map_over_truth.h"
+#include "evaluation/prism_metrics.h"
 #include "evaluation/rock_metrics.h"
+#include "evaluation/rtk_metrics.h"
 #include "export/ply_reader.h"
+#include "georeference/fix_pairs.h"
 
 namespace rigmap {
 namespace {
@@ -62,16 +65,25 @@ std::vector<TumPose> ReadTruth(const fs::path& truth) {
   return poses;
 }
 
+void RequireTruth(const fs::path& truth_path) {
+  if (IsPrismFile(truth_path)) {
+    ReadPrismFile(truth_path);
+  } else {
+    ReadTruth(truth_path);
+  }
+}
+
 nlohmann::ordered_json CompareWithTruth(const std::vector<TumPose>& estimate,
-                                        const fs::path& truth_tum, const fs::path& map_ply,
+                                        const fs::path& truth_path, const fs::path& map_ply,
                                         const EvaluationOptions& options) {
+  if (IsPrismFile(truth_path)) return ToJson(ComparePrism(estimate, ReadPrismFile(truth_path)));
   const TrajectoryMetrics trajectory = CompareTrajectories(
-      estimate, TruthDuring(estimate, ReadTruth(truth_tum), options.max_dt_s), options);
+      estimate, TruthDuring(estimate, ReadTruth(truth_path), options.max_dt_s), options);
   auto json = ToJson(trajectory);
   if (auto drift = DriftToJson(trajectory); !drift.is_null()) json["drift"] = std::move(drift);
   std::error_code ignored;
-  if (!fs::exists(map_ply, ignored) || fs::is_directory(truth_tum)) return json;
-  const auto truth = ReadMapTruth(truth_tum.parent_path());
+  if (!fs::exists(map_ply, ignored) || fs::is_directory(truth_path)) return json;
+  const auto truth = ReadMapTruth(truth_path.parent_path());
   if (!truth) return json;
   const auto truth_from_world = AlignWithTruth(estimate, truth->path, options);
   if (!truth_from_world) return json;  // which the trajectory's `error` says
@@ -90,6 +102,13 @@ nlohmann::ordered_json CompareWithSurvey(const SurveyedResult& result,
   nlohmann::ordered_json json;
   json["rtk"] = fit.alignment ? ToJson(*fit.alignment) : nlohmann::ordered_json::object();
   if (!fit.why.empty()) json["rtk"]["why"] = fit.why;
+  if (fit.alignment) {
+    const auto pairs = PairFixes(result.truth.fixes, result.trajectory, *antenna_in_left,
+                                 *fit.alignment, options.alignment);
+    if (const auto metrics = CompareRtk(pairs, *fit.alignment)) {
+      json["rtk"].update(ToJson(*metrics));
+    }
+  }
   std::error_code ignored;
   const auto& rocks = result.truth.surveyed_rocks;
   if (!fit.alignment || rocks.empty() || !fs::exists(result.map_ply, ignored)) return json;
@@ -101,9 +120,9 @@ nlohmann::ordered_json CompareWithSurvey(const SurveyedResult& result,
 
 std::string DescribeTruth(const Truth& truth) {
   std::string text;
-  if (!truth.tum_path.empty()) {
-    for (const fs::path& path : TruthFiles(truth.tum_path)) text += HashFile(path);
-    for (const fs::path& path : MapTruthFiles(fs::path(truth.tum_path).parent_path())) {
+  if (!truth.path.empty()) {
+    for (const fs::path& path : TruthFiles(truth.path)) text += HashFile(path);
+    for (const fs::path& path : MapTruthFiles(fs::path(truth.path).parent_path())) {
       text += fmt::format(" {}", HashFile(path));
     }
   }

@@ -18,22 +18,27 @@ namespace rigmap {
 
 // What a result is compared with. No stage before `evaluation` takes it.
 struct Truth {
-  std::string tum_path;  // or a folder of parts (TruthFiles); empty: none
+  // A TUM file, a folder of parts (TruthFiles) or a prism's track (prism_metrics.h); empty: none.
+  std::string path;
   std::vector<GnssFix> fixes;
   std::vector<SurveyedLandmark> surveyed_rocks;
 };
 
-// The TUM files of a truth: the file itself or, of a folder that holds a folder for each part of a
+// The files of a truth: the file itself or, of a folder that holds a folder for each part of a
 // traverse, the trajectory.tum of each, all in one frame.
 std::vector<std::filesystem::path> TruthFiles(const std::filesystem::path& truth);
-// Their poses in order of time. Throws DataError as ReadTum.
+// The poses in these TUM files in order of time. Throws DataError as ReadTum.
 std::vector<TumPose> ReadTruth(const std::filesystem::path& truth);
+
+// Throws DataError, a sentence with file and line, for a truth that cannot be read.
+void RequireTruth(const std::filesystem::path& truth_path);
 
 // The keys of trajectory_metrics.h, those of drift in `drift`, of the truth between the first and
 // the last estimated pose; and where `map_ply` exists and the folder of the truth holds a true
-// surface (map_truth.h), `map` and `rocks` with those of map_metrics.h and rock_metrics.h.
+// surface (map_truth.h), `map` and `rocks` with those of map_metrics.h and rock_metrics.h. Beside
+// a prism's track the keys of prism_metrics.h alone.
 nlohmann::ordered_json CompareWithTruth(const std::vector<TumPose>& estimate,
-                                        const std::filesystem::path& truth_tum,
+                                        const std::filesystem::path& truth_path,
                                         const std::filesystem::path& map_ply,
                                         const EvaluationOptions& options);
 
@@ -50,7 +55,8 @@ struct SurveyOptions {
   const RockSurveyOptions& survey;
 };
 
-// `rtk`: how the trajectory lies on the satellite fixes, or why it cannot be laid there; and where
+// `rtk`: how the trajectory lies on the satellite fixes and how far from them (rtk_metrics.h), or
+// why it cannot be laid there; and where
 // it can and there are surveyed rocks, `surveyed_rocks` (rock_survey.h). Null where there are no
 // fixes.
 nlohmann::ordered_json CompareWithSurvey(const SurveyedResult& result,

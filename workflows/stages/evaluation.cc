@@ -20,11 +20,11 @@ std::string MakeMetrics(const StageContext& context, const Dataset& dataset, con
                         const RockSurveyOptions& survey) {
   const auto map = context.root / "dense.ply";
   Report metrics;
-  if (!truth.tum_path.empty()) {
-    metrics = CompareWithTruth(PosesOf(part.trajectory), truth.tum_path, map, options);
+  if (!truth.path.empty()) {
+    metrics = CompareWithTruth(PosesOf(part.trajectory), truth.path, map, options);
     for (const Step& step : steps) {
       metrics["steps"][step.name] =
-          CompareWithTruth(PosesOf(step.trajectory), truth.tum_path, {}, options);
+          CompareWithTruth(PosesOf(step.trajectory), truth.path, {}, options);
     }
   }
   const Report surveyed = CompareWithSurvey({part.trajectory, dataset.rig, truth, map},

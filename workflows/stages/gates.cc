@@ -2,13 +2,14 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "gates/refusal.h"
 #include "gates/registration_gates.h"
 #include "pipeline/code_identity.h"
+#include "scale/free_camera_poses.h"
 #include "workflows/stages/depth_consistency_report.h"
-#include "workflows/stages/mapping.h"
 
 namespace rigmap {
 namespace {
@@ -121,13 +122,24 @@ Report JudgeAdjusted(const Dataset& dataset, const FeatureIndex& features,
   return ReportPart(inputs, {mapping, poses, adjustment, calibration, {}, {}});
 }
 
-Report JudgeFreeCameras(const Dataset& dataset, const AlignedKeyframes& aligned,
-                        const AdjustedPart& part, const MappingGateOptions& mapping,
-                        const PoseGateOptions& poses, const AdjustmentGateOptions& adjustment,
+Report JudgeFreeCameras(const Dataset& dataset, const MappingResult& mapped,
+                        const AlignedKeyframes& aligned, const AdjustedPart& part,
+                        const MappingGateOptions& mapping, const PoseGateOptions& poses,
+                        const AdjustmentGateOptions& adjustment,
                         const CalibrationGateOptions& calibration) {
   GateInputs inputs{dataset.rig, part.odometry, part.adjustment, part.trajectory, &aligned};
   inputs.positions_known = part.KnowsPositions();
-  return ReportPart(inputs, {mapping, poses, adjustment, calibration, {}, {}});
+  for (const AlignedModel& model : aligned.models) {
+    inputs.calibration_scale_sigma = std::max(
+        inputs.calibration_scale_sigma,
+        FocalLengthChange(mapped.models[static_cast<std::size_t>(model.model)], dataset.rig));
+  }
+  Report report = ReportPart(inputs, {mapping, poses, adjustment, calibration, {}, {}});
+  report["verdict"]["text"] =
+      report["verdict"]["text"].get<std::string>() +
+      fmt::format("; COLMAP's focal lengths are up to {:.2g} % off the rig file's",
+                  100.0 * inputs.calibration_scale_sigma);
+  return report;
 }
 
 Report JudgeOdometric(const Dataset& dataset, const FeatureIndex& features,

@@ -9,6 +9,7 @@
 #include "workflows/stages/adjustment.h"
 #include "workflows/stages/dense.h"
 #include "workflows/stages/features.h"
+#include "workflows/stages/mapping.h"
 #include "workflows/stages/trajectory.h"
 
 namespace rigmap {
@@ -18,9 +19,10 @@ using AdjustedGatesCheck = Check<
     Reads<MappingGateOptions, PoseGateOptions, AdjustmentGateOptions, CalibrationGateOptions>>;
 AdjustedGatesCheck AdjustedGates();
 
-// Without an odometry to agree with, nor keypoints of rigmap's.
+// Without an odometry to agree with, nor keypoints of rigmap's; what COLMAP changed of the focal
+// lengths counts as unknown of all lengths.
 using FreeCameraGatesCheck = Check<
-    Takes<Dataset, AlignedKeyframes, AdjustedPart>,
+    Takes<Dataset, MappingResult, AlignedKeyframes, AdjustedPart>,
     Reads<MappingGateOptions, PoseGateOptions, AdjustmentGateOptions, CalibrationGateOptions>>;
 FreeCameraGatesCheck FreeCameraGates();
 

@@ -1,7 +1,8 @@
-// The satellite fixes of a Katwijk part, gps-latlong.txt and gps-utm31.txt. A row: stamp, status,
-// latitude and longitude (degrees), altitude (m above the ellipsoid), sigmas north, east, up (m),
-// separated by blanks. gps-utm31.txt should hold metres of UTM 31N in place of the degrees, in
-// either order, but the published ones hold degrees: the values decide, for the file as a whole.
+// The satellite fixes of a part in Katwijk's form, gps-latlong.txt and gps-utm31.txt. A row: stamp,
+// status, latitude and longitude (degrees), altitude (m above the ellipsoid), sigmas north, east,
+// up (m), separated by blanks. gps-utm31.txt should hold metres of UTM 31N in place of the degrees,
+// in either order, but the published ones hold degrees: the values decide, for the file as a whole.
+// Files of other zones are called so, too: gps-utm10.txt, gps-utm19s.txt south of the equator.
 #pragma once
 
 #include <filesystem>
@@ -9,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "georeference/utm_grid.h"
 #include "scene/survey.h"
 
 namespace rigmap {
@@ -20,11 +22,12 @@ struct GnssReading {
   std::vector<std::string> remarks;
 };
 
-// The part's gps-latlong.txt, else its gps-utm31.txt; nothing if it has neither.
+// The part's gps-latlong.txt, else its first gps-utmZONE.txt; nothing if it has neither.
 std::optional<GnssReading> ReadGnss(const std::filesystem::path& part_folder);
 
-// One such file. Rows that are malformed, or of another kind of coordinates than most, are left
-// out. Throws DataError if the file cannot be read or has no row that can be used.
-GnssReading ReadGnssFile(const std::filesystem::path& path);
+// One such file, with metres of this zone. Rows that are malformed, or of another kind of
+// coordinates than most, are left out. Throws DataError if the file cannot be read or has no row
+// that can be used.
+GnssReading ReadGnssFile(const std::filesystem::path& path, const UtmZone& zone = {});
 
 }  // namespace rigmap

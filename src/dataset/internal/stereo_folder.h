@@ -2,6 +2,7 @@
 //   left/ right/           images (image_file.h), as many in one as in the other, sorted by name
 //   times.txt              seconds, one per pair, strictly increasing; lines with # are skipped
 //   groundtruth_tum.txt    optional: t tx ty tz qx qy qz qw, world_from_left
+//   groundtruth_xy.txt     optional, where there is no such file: t x y of a prism on the rover
 // and a rig file (rig_file.h), calib.yaml or rig.yaml.
 #pragma once
 

@@ -16,7 +16,8 @@ std::optional<double> ParseFinite(std::string_view word);
 std::optional<StampNs> ParseStamp(std::string_view word);
 
 // Which column of a pair of metres is the northing: UTM eastings lie between 100 and 900 km, places
-// north of 8.2 degrees have northings beyond 900 km.
+// north of 8.2 degrees, and all of the southern half but its polar cap, have northings beyond 900
+// km.
 enum class GridColumns { kEastingFirst, kNorthingFirst };
 
 // Nothing for two numbers that are no such place.

@@ -1,4 +1,4 @@
-// Where a rover's antenna was, seen from above.
+// Where a rover's antenna was.
 #pragma once
 
 #include <Eigen/Core>
@@ -9,8 +9,8 @@
 
 namespace rigmap {
 
-// Horizontal positions (x, y of the world, metres) of an antenna fixed to the left camera. Times
-// are seconds since the first pose, by the poses' clock.
+// Positions (of the world, metres) of an antenna fixed to the left camera. Times are seconds since
+// the first pose, by the poses' clock.
 class AntennaPath {
  public:
   // Poses that were only predicted are passed over. Poses further apart than max_gap_s have nothing
@@ -22,6 +22,8 @@ class AntennaPath {
   double SecondsOf(StampNs stamp_ns) const;
 
   // Nothing before the first pose, after the last and in gaps.
+  std::optional<Eigen::Vector3d> PositionAt(double time_s) const;
+  // The same seen from above.
   std::optional<Eigen::Vector2d> At(double time_s) const;
 
   // Mean velocity (m/s) over about three seconds around a time: long enough for the noise of poses

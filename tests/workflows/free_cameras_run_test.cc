@@ -1,0 +1,33 @@
+// The technique sfm on the simulated part: COLMAP alone, whose own figures do not tell that it is
+// wrong.
+#include <gmock/gmock.h>
+
+#include <nlohmann/json.hpp>
+
+#include "core/file.h"
+#include "tests/support/temporary_folder.h"
+#include "tests/workflows/rigmap_program.h"
+
+namespace rigmap {
+namespace {
+
+using nlohmann::json;
+using testing::HasSubstr;
+
+TEST(FreeCamerasRun, CountsTheFocalLengthsThatColmapChanged) {
+  const TemporaryFolder folder;
+  const auto out = folder.Path() / "out";
+  const ProgramEnd end =
+      RunRigmap({"part", "--dataset", SimulatedPartFolder(), "--technique", "sfm", "--truth",
+                 SimulatedPartFolder() / "groundtruth_tum.txt", "--out", out, "--quiet"});
+  ASSERT_TRUE(end.exit_code == 0 || end.exit_code == 3) << end.err;  // COLMAP samples at random
+  const json verdict = json::parse(ReadTextFile(out / "summary.json"))["verdict"];
+  const json metrics = json::parse(ReadTextFile(out / "evaluation.json"));
+  // Eight images along a line do not tell a focal length, and left-right distances not that.
+  EXPECT_THAT(verdict["text"].get<std::string>(), HasSubstr("COLMAP's focal lengths"));
+  EXPECT_LE(metrics["scale_error_pct"], verdict["scale_95_pct"]);
+  EXPECT_EQ(metrics["frames"], 8);
+}
+
+}  // namespace
+}  // namespace rigmap
