@@ -130,11 +130,10 @@ std::filesystem::path TruthFile(const std::filesystem::path& truth) {
 }
 
 std::filesystem::path WholeTruth(const std::filesystem::path& truth) {
-  const auto whole = truth / "trajectory.tum";
-  const auto path = std::filesystem::exists(whole) ? whole : truth;
-  if (!TruthFiles(path).empty()) return path;
-  throw DataError(fmt::format(
-      "{}: expected trajectory.tum in it or in folders of its parts, found none", truth.string()));
+  const bool is_of_parts = std::filesystem::is_directory(truth) &&
+                           !std::filesystem::exists(truth / "trajectory.tum") &&
+                           !TruthFiles(truth).empty();
+  return is_of_parts ? truth : TruthFile(truth);
 }
 
 std::string EvaluatePart(const EvaluateRequest& request) {
