@@ -1,4 +1,4 @@
-// The command line: rigmap part, evaluate, calibrate, compare, options, stages.
+// The command line: rigmap part, evaluate, calibrate, compare, report, options, stages.
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -18,6 +18,7 @@
 #include "workflows/print_options.h"
 #include "workflows/print_stages.h"
 #include "workflows/reconstruct_part.h"
+#include "workflows/report.h"
 
 namespace rigmap {
 namespace {
@@ -83,6 +84,9 @@ int Main(int argc, char** argv) {
   std::string technique = "rig";
   CLI::App* stages = app.add_subcommand("stages", "Print the stages of a technique as a table");
   stages->add_option("--technique", technique, "rig (default) or another");
+  std::vector<std::string> reported;
+  CLI::App* report = app.add_subcommand("report", "Write report.html into folders with results");
+  report->add_option("outs", reported, "Folders of parts, traverses or comparisons")->required();
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
@@ -104,6 +108,10 @@ int Main(int argc, char** argv) {
   }
   if (comparison->parsed()) {
     fmt::print("{}", Compare(MakeCompareRequest(compare, command)));
+    return 0;
+  }
+  if (report->parsed()) {
+    fmt::print("{}", WriteReports({reported.begin(), reported.end()}));
     return 0;
   }
   if (options->parsed()) {

@@ -29,8 +29,8 @@ constexpr const char* kLockName = ".lock";
 constexpr const char* kMarkName = ".dataset";
 
 // Beside what the techniques publish.
-constexpr const char* kOwnNames[] = {kLockName,     kMarkName, "summary.json",
-                                     "config.yaml", "logs",    "stages"};
+constexpr const char* kOwnNames[] = {kLockName, kMarkName,     "summary.json", "config.yaml",
+                                     "logs",    "report.html", "stages"};
 
 bool IsUnfinishedMark(const fs::path& name) {
   return name.stem() == kMarkName && IsTemporaryName(name);
@@ -188,7 +188,7 @@ void RequireInputElsewhere(const fs::path& root, const Dataset& dataset) {
 
 void ClaimOutput(const fs::path& root, const FolderMark& mark, bool force) {
   if (force) Empty(root);
-  for (const char* name : {"summary.json", "config.yaml"}) fs::remove(root / name);
+  for (const char* name : {"summary.json", "config.yaml", "report.html"}) fs::remove(root / name);
   WriteFileAtomically(root / kMarkName, [&](std::ostream& stream) { stream << MarkText(mark); });
 }
 

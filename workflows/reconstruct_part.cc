@@ -15,6 +15,7 @@
 #include "workflows/mark_outputs.h"
 #include "workflows/output_folder.h"
 #include "workflows/part_summary.h"
+#include "workflows/report.h"
 #include "workflows/rig_prior.h"
 #include "workflows/stages/database.h"
 
@@ -112,10 +113,12 @@ PartResult Reconstruct(const PartRequest& request, Job& job) {
   try {
     const Ledger ledger = RunRecipe(request, root, input, job);
     WriteOutcome(root, request, ledger, "");
+    TryToWriteReport(root, &input.dataset);
     return Judge(ledger, FirstFrame(request));
   } catch (const std::exception& error) {
     job.LogToTerminal();
     TryToWriteFailure(root, request, error.what());
+    TryToWriteReport(root, &input.dataset);
     throw;
   }
 }
