@@ -91,8 +91,8 @@ std::string CorrectionTable(const FigureSource& summary) {
   row("Largest shift", Figure(summary, "/rig/largest_shift_px", Quantity::kPixels),
       "of what is infinitely far, in the right image");
   row("Disparity at infinity",
-      Figure(summary, "/rig/infinity_offset_px", Quantity::kPixels) + " \u00b1 " +
-          Figure(summary, "/rig/infinity_offset_sigma_px", Quantity::kPixels),
+      Figure(summary, "/rig/infinity_offset_px", Quantity::kPixels) + " " +
+          PlusMinus(summary, "/rig/infinity_offset_sigma_px", Quantity::kPixels),
       "what the correction adds to every disparity; the sigma is of what is in use");
   return table.Text();
 }
@@ -106,21 +106,21 @@ std::string RingTable(const FigureSource& summary) {
     table.Row({Figure(summary, at + "/from_px", Quantity::kPixels) + " to " +
                    Figure(summary, at + "/to_px", Quantity::kPixels),
                Figure(summary, at + "/tracks", Quantity::kCount),
-               Figure(summary, at + "/depth_pct", Quantity::kPercent) + " \u00b1 " +
-                   Figure(summary, at + "/depth_sigma_pct", Quantity::kPercent),
-               Figure(summary, at + "/disparity_px", Quantity::kPixels) + " \u00b1 " +
-                   Figure(summary, at + "/disparity_sigma_px", Quantity::kPixels)});
+               Figure(summary, at + "/depth_pct", Quantity::kPercent) + " " +
+                   PlusMinus(summary, at + "/depth_sigma_pct", Quantity::kPercent),
+               Figure(summary, at + "/disparity_px", Quantity::kPixels) + " " +
+                   PlusMinus(summary, at + "/disparity_sigma_px", Quantity::kPixels)});
   }
   if (table.empty()) return "";
   return fmt::format(
       "<h3>Stereo against temporal depth</h3><p>Depth by the two cameras and depth by the motion "
       "have to agree everywhere in the image. What differs by more than noise between regions: {} "
-      "\u00b1 {} of the depth by distance from the middle, {} \u00b1 {} of disparity by "
+      "{} of the depth by distance from the middle, {} {} of disparity by "
       "position.</p>{}",
       Figure(summary, "/depth_consistency/radius/systematic_pct", Quantity::kPercent),
-      Figure(summary, "/depth_consistency/radius/systematic_sigma_pct", Quantity::kPercent),
+      PlusMinus(summary, "/depth_consistency/radius/systematic_sigma_pct", Quantity::kPercent),
       Figure(summary, "/depth_consistency/place/systematic_px", Quantity::kPixels),
-      Figure(summary, "/depth_consistency/place/systematic_sigma_px", Quantity::kPixels),
+      PlusMinus(summary, "/depth_consistency/place/systematic_sigma_px", Quantity::kPixels),
       table.Text());
 }
 
@@ -134,10 +134,10 @@ std::string CellTable(const FigureSource& summary) {
     const double sigma =
         cells[i]["disparity_sigma_px"].is_number() ? double(cells[i]["disparity_sigma_px"]) : 1e9;
     const bool stands_out = std::abs(value) > 3.0 * sigma;
-    grid += fmt::format("<div{}>{}<br><small>\u00b1 {}</small></div>\n",
-                        stands_out ? " class=\"out\"" : "",
-                        Figure(summary, at + "/disparity_px", Quantity::kPixels),
-                        Figure(summary, at + "/disparity_sigma_px", Quantity::kPixels));
+    grid +=
+        fmt::format("<div{}>{}<br><small>{}</small></div>\n", stands_out ? " class=\"out\"" : "",
+                    Figure(summary, at + "/disparity_px", Quantity::kPixels),
+                    PlusMinus(summary, at + "/disparity_sigma_px", Quantity::kPixels));
   }
   if (grid.empty()) return "";
   return "<figure><div class=\"image-cells\">" + grid +

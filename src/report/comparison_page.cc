@@ -123,7 +123,7 @@ std::string DrawRoutes(const std::vector<ComparedRoute>& routes) {
     }
   }
   if (!low.allFinite()) return "";
-  const DrawingFrame frame(low, high, 760.0, 480.0);
+  const DrawingFrame frame(low, high, 1140.0, 480.0);
   std::string drawn, legend;
   for (std::size_t i = 0; i < routes.size(); ++i) {
     std::vector<Eigen::Vector2d> mapped;

@@ -135,7 +135,10 @@ std::string ObjectTables(const FigureSource& source, const std::string& pointer,
     const auto under = [&](const std::string& content) {
       return fmt::format("<h{0}>{1}</h{0}>\n{2}", std::min(depth + 3, 5), Readable(key), content);
     };
-    if (value.is_object()) {
+    if (key == "steps") {
+      inner += fmt::format("<details><summary>What each step adds</summary>{}</details>\n",
+                           ObjectTables(source, at, depth + 1));
+    } else if (value.is_object()) {
       inner += under(ObjectTables(source, at, depth + 1));
     } else if (IsListOfObjects(value)) {
       inner += under(ListTable(source, at));
@@ -154,8 +157,7 @@ std::string EvaluationSection(const PartContent& content) {
   return HtmlSection("evaluation", "Against what is known from elsewhere",
                      "Errors against the ground truth, the RTK fixes and the surveyed rocks, which "
                      "took no part in making the result: every number of evaluation.json.",
-                     "<details><summary>All figures</summary>\n" + ObjectTables(evaluation, "", 0) +
-                         "</details>\n");
+                     ObjectTables(evaluation, "", 0));
 }
 
 }  // namespace rigmap

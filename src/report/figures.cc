@@ -47,12 +47,15 @@ ShownAs UnitOf(double value, Quantity quantity) {
   return {1.0, ""};
 }
 
-// Three significant digits and never an exponent.
-std::string Digits(double value) {
+// Never an exponent; thousands apart.
+std::string Digits(double value, int digits) {
   if (value == 0.0) return "0";
-  const int decimals =
-      std::clamp(2 - static_cast<int>(std::floor(std::log10(std::abs(value)))), 0, 9);
-  return fmt::format("{:.{}f}", value, decimals);
+  const int before_point = static_cast<int>(std::floor(std::log10(std::abs(value)))) + 1;
+  std::string text = fmt::format("{:.{}f}", value, std::clamp(digits - before_point, 0, 9));
+  for (int end = before_point + (value < 0.0 ? 1 : 0) - 3; end > (value < 0.0 ? 1 : 0); end -= 3) {
+    if (before_point > 4) text.insert(static_cast<std::size_t>(end), "\u202f");
+  }
+  return text;
 }
 
 const nlohmann::ordered_json* Find(const Json& json, const std::string& pointer) {
@@ -60,13 +63,23 @@ const nlohmann::ordered_json* Find(const Json& json, const std::string& pointer)
   return json.contains(path) ? &json.at(path) : nullptr;
 }
 
+std::string BoundFigure(const FigureSource& source, const std::string& pointer, Quantity quantity,
+                        int digits) {
+  const Json* found = Find(source.json, pointer);
+  if (!found || !found->is_number()) return kDash;
+  return fmt::format("<data value=\"{}\" data-from=\"{}{}\">{}</data>", found->dump(),
+                     Escaped(source.name), Escaped(pointer),
+                     ShownNumber(found->get<double>(), quantity, digits));
+}
+
 }  // namespace
 
-std::string ShownNumber(double value, Quantity quantity) {
+std::string ShownNumber(double value, Quantity quantity, int digits) {
   if (!std::isfinite(value)) return kDash;
-  if (quantity == Quantity::kCount) return fmt::format("{:.0f}", value);
+  if (quantity == Quantity::kCount) return Digits(std::round(value), 0);
   const ShownAs as = UnitOf(value, quantity);
-  return fmt::format("{}{}{}", Digits(as.factor * value), *as.unit ? "\u00a0" : "", as.unit);
+  return fmt::format("{}{}{}", Digits(as.factor * value, digits), *as.unit ? "\u00a0" : "",
+                     as.unit);
 }
 
 bool HasFigure(const FigureSource& source, const std::string& pointer) {
@@ -75,10 +88,11 @@ bool HasFigure(const FigureSource& source, const std::string& pointer) {
 }
 
 std::string Figure(const FigureSource& source, const std::string& pointer, Quantity quantity) {
-  const Json* found = Find(source.json, pointer);
-  if (!found || !found->is_number()) return kDash;
-  return fmt::format("<data value=\"{}\" data-from=\"{}{}\">{}</data>", found->dump(), source.name,
-                     Escaped(pointer), ShownNumber(found->get<double>(), quantity));
+  return BoundFigure(source, pointer, quantity, 3);
+}
+
+std::string PlusMinus(const FigureSource& source, const std::string& pointer, Quantity quantity) {
+  return "\u00b1\u00a0" + BoundFigure(source, pointer, quantity, 2);
 }
 
 std::string TextAt(const Json& json, const std::string& pointer) {

@@ -32,11 +32,13 @@ struct FigureSource {
 // three significant digits (counts whole); null, missing or no number: a dash. A test compares all
 // of them with the files.
 std::string Figure(const FigureSource& source, const std::string& pointer, Quantity quantity);
+// "\u00b1 SHOWN", as a sigma or a bound is shown: two significant digits.
+std::string PlusMinus(const FigureSource& source, const std::string& pointer, Quantity quantity);
 // Whether there is a number.
 bool HasFigure(const FigureSource& source, const std::string& pointer);
 
 // The same text without the binding, for numbers that stand in no file.
-std::string ShownNumber(double value, Quantity quantity);
+std::string ShownNumber(double value, Quantity quantity, int digits = 3);
 
 // The text at a pointer, escaped; empty where there is none.
 std::string TextAt(const Json& json, const std::string& pointer);

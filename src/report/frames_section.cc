@@ -114,9 +114,10 @@ std::string AllFrames(const PartContent& content) {
     pictures += Thumbnail(content, i, "", true);
   }
   if (pictures.empty()) return "";
-  return "<details class=\"all-frames\"><summary>Other frames</summary>\n"
-         "<div class=\"thumbnails\">" +
-         pictures + "</div></details>\n";
+  return fmt::format(
+      "<details class=\"all-frames\"><summary>Images of {} frames</summary>\n"
+      "<div class=\"thumbnails\">{}</div></details>\n",
+      content.thumbnails.size(), pictures);
 }
 
 // One mark per frame, of the colour of how its pose was got.

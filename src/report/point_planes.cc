@@ -135,9 +135,9 @@ PackedLevel PackLevel(const std::vector<SteppedPoint>& order, const PointCloud& 
   return {order.size(), DeflatedText(planes.bytes())};
 }
 
-// The 2nd and the 98th of a hundred.
+// Without the share left out at either end.
 template <class Value, class Get>
-std::array<Value, 2> UsualRange(const PointCloud& points, const Get& get) {
+std::array<Value, 2> UsualRange(const PointCloud& points, const Get& get, double left_out = 0.02) {
   std::vector<Value> values;
   values.reserve(points.size());
   for (const SurfacePoint& point : points) values.push_back(get(point));
@@ -147,8 +147,8 @@ std::array<Value, 2> UsualRange(const PointCloud& points, const Get& get) {
     std::ranges::nth_element(values, nth);
     return *nth;
   };
-  const Value low = at(0.02);
-  return {low, at(0.98)};
+  const Value low = at(left_out);
+  return {low, at(1.0 - left_out)};
 }
 
 void PutRanges(const PointCloud& points, PackedPoints& packed) {
@@ -157,8 +157,8 @@ void PutRanges(const PointCloud& points, PackedPoints& packed) {
   packed.sigma_range = UsualRange<int>(points, SigmaCode);
   packed.observations_range = UsualRange<int>(points, ObservationsCode);
   for (int axis = 0; axis < 3; ++axis) {
-    const auto range =
-        UsualRange<double>(points, [&](const auto& p) { return double{p.x_in_world[axis]}; });
+    const auto range = UsualRange<double>(
+        points, [&](const auto& p) { return double{p.x_in_world[axis]}; }, 0.1);
     for (std::size_t end = 0; end < 2; ++end) packed.bounds_m[end][axis] = range[end];
   }
 }

@@ -29,7 +29,7 @@ struct PackedPoints {
   double finest_m = 0.0;                   // grain of code 0
   std::array<double, 2> height_range_m{};  // world z; the 2nd to the 98th of a hundred
   std::array<int, 2> sigma_range{}, observations_range{};  // codes, the same
-  std::array<std::array<double, 3>, 2> bounds_m{};         // low and high corner, the same
+  std::array<std::array<double, 3>, 2> bounds_m{};         // corners, of eight of ten points
   std::vector<PackedLevel> levels;  // coarse to fine: a 64th of the points, an 8th, the rest
 };
 

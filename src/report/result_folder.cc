@@ -94,7 +94,10 @@ auto UnlessDamaged(const Read& read) -> decltype(read()) {
 std::string NameOfFolder(const fs::path& root) {
   fs::path whole = fs::absolute(root).lexically_normal();
   if (!whole.has_filename()) whole = whole.parent_path();
-  return whole.filename().string();
+  // "result" alone says little.
+  return whole.has_parent_path() && whole.parent_path().has_filename()
+             ? (whole.parent_path().filename() / whole.filename()).string()
+             : whole.filename().string();
 }
 
 PoseSource ParsePoseSource(const std::string& name) {

@@ -10,7 +10,7 @@
 namespace rigmap {
 namespace {
 
-constexpr double kRouteWidth_px = 760.0, kRouteHeight_px = 520.0;
+constexpr double kRouteWidth_px = 1140.0, kRouteHeight_px = 560.0;
 constexpr std::size_t kMostEllipses = 80;
 constexpr double kLargestEllipse_px = 22.0;
 
@@ -82,6 +82,14 @@ std::string DrawRocks(const PartContent& content, const DrawingFrame& frame) {
   return rocks;
 }
 
+Points RockCentres(const PartContent& content) {
+  Points centres;
+  if (content.cloud && content.cloud->rocks) {
+    for (const SegmentedRock& rock : *content.cloud->rocks) centres.push_back(rock.centre);
+  }
+  return centres;
+}
+
 std::string LegendOf(const PartContent& content, double times) {
   std::string legend = "<span><i class=\"key path\"></i>path</span>";
   const auto add = [&](bool is_there, const char* key, const std::string& text) {
@@ -115,6 +123,15 @@ std::string RouteDrawing(const PartContent& content) {
       low = low.cwiseMin(point);
       high = high.cwiseMax(point);
     }
+  }
+  // Rocks beside the path belong into the picture, those far away do not.
+  const Eigen::Vector2d reach = Eigen::Vector2d::Constant(0.35 * (high - low).maxCoeff());
+  const Eigen::Vector2d near_low = low - reach, near_high = high + reach;
+  for (const Eigen::Vector2d& rock : RockCentres(content)) {
+    if ((rock.array() < near_low.array()).any() || (rock.array() > near_high.array()).any())
+      continue;
+    low = low.cwiseMin(rock);
+    high = high.cwiseMax(rock);
   }
   const double margin_m = 0.06 * (high - low).maxCoeff();
   const DrawingFrame frame(low - Eigen::Vector2d::Constant(margin_m),

@@ -40,6 +40,12 @@ double CoveredArea(const HeightGrid& grid) {
 // A grid of the heights takes 35 kB a square metre: enough for a rover's map, too much for a
 // street's, which tells of no rocks either.
 constexpr double kFinestOfRocks_m = kHeightCell_m;
+// What is wider is a house, a hedge or a car, and no field of rocks is around it.
+constexpr double kWidestRock_m = 3.0;
+
+bool AreRocks(const std::vector<SegmentedRock>& rocks) {
+  return std::ranges::all_of(rocks, [](const auto& rock) { return rock.width_m <= kWidestRock_m; });
+}
 
 }  // namespace
 
@@ -71,7 +77,7 @@ ThinCloud ReadThinCloud(const std::filesystem::path& ply, std::size_t max_points
       MedianOf(cloud.points, [](const auto& point) { return point.observations; });
   if (is_fine && !cloud.points.empty()) {
     cloud.area_m2 = CoveredArea(heights);
-    cloud.rocks = SegmentRocks(heights).rocks;
+    if (auto rocks = SegmentRocks(heights).rocks; AreRocks(rocks)) cloud.rocks = std::move(rocks);
   }
   return cloud;
 }

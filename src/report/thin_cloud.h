@@ -19,7 +19,7 @@ struct ThinCloud {
   std::optional<double> median_observations;
   double area_m2 = 0.0;  // ground that is covered, in cells of heights, seen from above
   // Rises above the ground, highest first; nothing where the map is too coarse to tell of rocks,
-  // its finest points standing for more than a cell of heights.
+  // its finest points standing for more than a cell of heights, or shows what is larger than any.
   std::optional<std::vector<SegmentedRock>> rocks;
 };
 

@@ -26,9 +26,7 @@ Standing StandingOf(const Json& summary) {
             "asked."};
   }
   if (status == "untrusted") {
-    return {"untrusted", "Do not trust this result as it is",
-            "Everything was computed and written, but the result contradicts itself or is not as "
-            "good as was asked."};
+    return {"untrusted", "Do not trust this result as it is", ""};
   }
   if (status == "failed") {
     return {"failed", "The run failed", "What lies in the folder is what was done before."};
@@ -50,12 +48,22 @@ std::string Causes(const Json& summary) {
       usable.empty() ? "" : fmt::format("<p><strong>Usable all the same:</strong> {}</p>", usable));
 }
 
+// A number and its per cent sign stay on one line.
+std::string Together(const std::string& text) {
+  std::string together;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const bool before_sign = text[i] == ' ' && i + 1 < text.size() && text[i + 1] == '%';
+    together += before_sign ? "\u00a0" : std::string(1, text[i]);
+  }
+  return together;
+}
+
 std::string Verdict(const Json& summary) {
   const Standing standing = StandingOf(summary);
-  std::string text = TextAt(summary, "/verdict/text");
+  std::string text = Together(TextAt(summary, "/verdict/text"));
   if (standing.css_class == std::string_view("failed")) text = TextAt(summary, "/reason");
   return fmt::format(
-      "<div class=\"verdict {}\">\n<p class=\"headline\">{}</p>\n<p>{}</p>\n<p "
+      "<div class=\"verdict {}\">\n<p class=\"headline\">{}</p>\n<p class=\"text\">{}</p>\n<p "
       "class=\"explain\">{}</p>\n{}</div>\n",
       standing.css_class, standing.words, text, standing.advice, Causes(summary));
 }
@@ -71,8 +79,8 @@ std::string RockTile(const PartContent& content) {
   const FigureSource map = content.Map();
   if (!HasFigure(map, "/largest_rock/height_m")) return "";
   return Tile("Largest rock", Figure(map, "/largest_rock/height_m", Quantity::kMetres) + " high",
-              fmt::format("\u00b1\u00a0{}, {} wide, of {} in the map",
-                          Figure(map, "/largest_rock/height_sigma_m", Quantity::kMetres),
+              fmt::format("{}, {} wide, of {} in the map",
+                          PlusMinus(map, "/largest_rock/height_sigma_m", Quantity::kMetres),
                           Figure(map, "/largest_rock/width_m", Quantity::kMetres),
                           Figure(map, "/rocks", Quantity::kCount)));
 }
@@ -99,13 +107,12 @@ std::string Tiles(const PartContent& content) {
   if (HasFigure(summary, "/verdict/known/path_m")) {
     tiles += Tile("Path driven", Figure(summary, "/verdict/known/path_m", Quantity::kMetres),
                   HasFigure(summary, "/verdict/scale_95_pct")
-                      ? fmt::format("\u00b1\u00a0{} (95\u00a0%)",
-                                    Figure(summary, "/verdict/scale_95_pct", Quantity::kPercent))
+                      ? fmt::format("{} (95\u00a0%)",
+                                    PlusMinus(summary, "/verdict/scale_95_pct", Quantity::kPercent))
                       : "scale not known");
   }
   if (HasFigure(summary, "/verdict/position_95_m")) {
-    tiles += Tile("Worst position",
-                  "\u00b1\u00a0" + Figure(summary, "/verdict/position_95_m", Quantity::kMetres),
+    tiles += Tile("Worst position", PlusMinus(summary, "/verdict/position_95_m", Quantity::kMetres),
                   "95\u00a0%, relative to the start");
   }
   if (HasFigure(summary, "/frames/paired")) {
@@ -117,9 +124,9 @@ std::string Tiles(const PartContent& content) {
   }
   tiles += RockTile(content) + TruthTile(content);
   if (HasFigure(content.Map(), "/median_sigma_m")) {
-    tiles += Tile("Map", Figure(content.Map(), "/points", Quantity::kCount) + " points",
-                  fmt::format("each \u00b1\u00a0{} (median) along its rays",
-                              Figure(content.Map(), "/median_sigma_m", Quantity::kMetres)));
+    tiles += Tile("Map", Figure(content.Map(), "/points", Quantity::kCount),
+                  fmt::format("points, each {} (median) along its rays",
+                              PlusMinus(content.Map(), "/median_sigma_m", Quantity::kMetres)));
   }
   return tiles.empty() ? "" : "<div class=\"tiles\">\n" + tiles + "</div>\n";
 }

@@ -9,6 +9,7 @@ attribute vec3 tint;
 attribute vec3 known;  // codes of sigma, observations and grain
 uniform int mode;
 uniform vec2 range;
+varying float isLarge;
 uniform float finest, thinning, size, pxPerUnit;
 varying vec3 shade;
 
@@ -26,14 +27,20 @@ void main() {
   vec4 seen = modelViewMatrix * vec4(position, 1.0);
   gl_Position = projectionMatrix * seen;
   float grain = finest * exp2(known.z * 255.0 / 4.0);
-  gl_PointSize = clamp(1.3 * grain * thinning * size * pxPerUnit / max(-seen.z, 1e-6), 1.0, 40.0);
+  gl_PointSize = clamp(1.3 * grain * thinning * size * pxPerUnit / max(-seen.z, 1e-6), 1.0, 32.0);
+  isLarge = gl_PointSize > 5.0 ? 1.0 : 0.0;
   float value = mode == 1 ? position.z : 255.0 * (mode == 2 ? known.x : known.y);
   shade = mode == 0 ? tint : ramp((value - range.x) / max(range.y - range.x, 1e-9));
 }`;
 
 const FRAGMENT = `
 varying vec3 shade;
-void main() { gl_FragColor = vec4(shade, 1.0); }`;
+varying float isLarge;
+void main() {
+  vec2 off = gl_PointCoord - 0.5;
+  if (isLarge > 0.5 && dot(off, off) > 0.25) discard;  // large points are round
+  gl_FragColor = vec4(shade, 1.0);
+}`;
 
 function chunkGeometry(level, first, end) {
   const geometry = new THREE.BufferGeometry();

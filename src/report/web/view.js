@@ -69,7 +69,7 @@ class View {
 
   addMarks() {
     const { poses, truth, rtk, rocks } = this.world;
-    const thick = this.extent / 900;
+    const thick = this.extent / 1600;
     if (poses) {
       const path = this.data.pathLength > 0 ? this.data.pathLength / Math.max(poses.x.length - 1, 1) : this.extent / 20;
       this.step = Math.max(path, this.extent / 300);
@@ -223,6 +223,7 @@ class View {
 
   // Of a point of the world, where it is in the view, px.
   project(point) {
+    this.camera.updateMatrixWorld();
     const seen = new THREE.Vector3(...point).project(this.camera);
     return [(seen.x + 1) / 2 * this.place.clientWidth, (1 - seen.y) / 2 * this.place.clientHeight];
   }
@@ -290,13 +291,13 @@ class View {
       return [event.clientX - box.left, event.clientY - box.top];
     };
     canvas.addEventListener('pointerdown', (event) => {
-      down = event.isPrimary && event.button === 0 ? { at: at(event), time: event.timeStamp } : null;
+      down = event.isPrimary && event.button === 0 ? { at: at(event) } : null;
     });
     canvas.addEventListener('pointerup', (event) => {
       if (!down) return;
       const [x, y] = at(event);
       const moved = Math.hypot(x - down.at[0], y - down.at[1]);
-      if (moved < 5 && event.timeStamp - down.time < 500) this.click(x, y);
+      if (moved < 5) this.click(x, y);
       down = null;
     });
     canvas.addEventListener('dblclick', (event) => {
@@ -344,6 +345,7 @@ class View {
       this.panel.loaded(this.cloud.count, this.data.points);
       this.paint();
       await new Promise((resolve) => setTimeout(resolve, 0));
+      this.shownAt ??= performance.now();
     }
     this.ready = true;
   }
