@@ -53,7 +53,7 @@ const pause = (ms) => new Promise((resolve) => setTimeout(resolve, ms));
 
 async function shoot(page, name, selector) {
   if (!shots) return;
-  if (selector) await page.$eval(selector, (element) => element.scrollIntoView());
+  if (selector) await page.$eval(selector, (element) => element.scrollIntoView({ behavior: 'instant' }));
   await pause(400);
   await page.screenshot({ path: join(shots, `${name}.png`) });
 }
@@ -127,7 +127,7 @@ async function frameCost(page, frames = 40) {
 async function view() {
   const page = await open();
   await ready(page);
-  await page.$eval('#view3d', (element) => element.scrollIntoView());
+  await page.$eval('#view3d', (element) => element.scrollIntoView({ behavior: 'instant' }));
   await shoot(page, 'view', '#view3d');
   await layers(page);
   for (const mode of ['1', '2', '3', '0']) {
@@ -179,7 +179,7 @@ async function clickCamera(page) {
 async function distance() {
   const page = await open();
   await ready(page);
-  await page.$eval('#view3d', (element) => element.scrollIntoView());
+  await page.$eval('#view3d', (element) => element.scrollIntoView({ behavior: 'instant' }));
   for (const tap of [false, true]) {
     await page.evaluate(() => window.rigmapView.clearPicked());
     for (const top of [[0, 0, 1], [2, 0, 1]]) {

@@ -2,10 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <array>
 #include <cmath>
-#include <functional>
-#include <regex>
 
 namespace rigmap {
 namespace {
@@ -23,20 +20,24 @@ std::string Without(std::string text, const std::string& part) {
 double FactorOf(const std::string& unit, double value, double shown) {
   if (unit == "cm") return 0.01;
   // Of metres, or of a number that the file has in millimetres.
-  if (unit == "mm") return std::abs(value - shown) <= 0.01 * std::abs(value) ? 1.0 : 0.001;
+  if (unit == "mm") return std::abs(value - shown) <= 0.06 * std::abs(value) ? 1.0 : 0.001;
   // Of per cent, or of a share.
-  if (unit == "%") return std::abs(value - shown) <= 0.01 * std::abs(value) ? 1.0 : 0.01;
+  if (unit == "%") return std::abs(value - shown) <= 0.06 * std::abs(value) ? 1.0 : 0.01;
   return 1.0;
 }
 
 }  // namespace
 
 std::vector<ReportFigure> FiguresOf(const std::string& page) {
-  static const std::regex kFigure(
-      "<data value=\"([^\"]*)\" data-from=\"([^\"/]*)([^\"]*)\">([^<]*)</data>");
+  const std::string start = "<data value=\"", middle = "\" data-from=\"", end = "</data>";
   std::vector<ReportFigure> figures;
-  for (std::sregex_iterator it(page.begin(), page.end(), kFigure), end; it != end; ++it) {
-    figures.push_back({(*it)[1], (*it)[2], (*it)[3], (*it)[4]});
+  for (auto at = page.find(start); at != std::string::npos; at = page.find(start, at)) {
+    at += start.size();
+    const auto from = page.find(middle, at), close = page.find("\">", from + middle.size());
+    const std::string name = page.substr(from + middle.size(), close - from - middle.size());
+    const auto slash = name.find('/');
+    figures.push_back({page.substr(at, from - at), name.substr(0, slash), name.substr(slash),
+                       page.substr(close + 2, page.find(end, close) - close - 2)});
   }
   return figures;
 }
@@ -69,7 +70,8 @@ std::string Complaint(const ReportFigure& figure, const Json& document) {
 
 std::set<std::string> NumbersIn(const Json& document) {
   std::set<std::string> pointers;
-  for (const auto& [pointer, value] : document.flatten().items()) {
+  const Json flat = document.flatten();
+  for (const auto& [pointer, value] : flat.items()) {
     if (value.is_number()) pointers.insert(pointer);
   }
   return pointers;
