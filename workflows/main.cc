@@ -13,12 +13,14 @@
 #include "core/freed_memory.h"
 #include "pipeline/code_identity.h"
 #include "workflows/calibrate.h"
+#include "workflows/command_documents.h"
 #include "workflows/evaluate_part.h"
 #include "workflows/part_arguments.h"
 #include "workflows/print_options.h"
 #include "workflows/print_stages.h"
 #include "workflows/reconstruct_part.h"
 #include "workflows/report.h"
+#include "workflows/verdict_lines.h"
 
 namespace rigmap {
 namespace {
@@ -39,6 +41,8 @@ void SayWhyNot(const Refusal& refusal, const std::string& out) {
   for (const std::string& sentence : advice) {
     fmt::print(stderr, "rigmap: to try next: {}\n", sentence);
   }
+  const auto report = fs::path(out) / "report.html";
+  if (fs::exists(report)) fmt::print(stderr, "rigmap: report: {}\n", report.string());
   fmt::print(stderr, "rigmap: what lies in {} is not to be trusted: {}\n", out,
              fmt::join(gates, "; "));
 }
@@ -51,9 +55,9 @@ int RunPart(const PartArguments& arguments, std::string command) {
   }
   if (!arguments.quiet) {
     const bool partial = result.status == PartStatus::kPartial;
-    fmt::print(stderr, "rigmap: {}, {}; results in {}\n",
+    fmt::print(stderr, "{}rigmap: {}{}; results in {}\n", VerdictLines(arguments.out),
                arguments.until.empty() ? "done" : "done up to " + arguments.until,
-               partial ? result.reason : result.verdict, arguments.out);
+               partial ? ", " + result.reason : "", arguments.out);
   }
   return 0;
 }
@@ -87,6 +91,9 @@ int Main(int argc, char** argv) {
   std::vector<std::string> reported;
   CLI::App* report = app.add_subcommand("report", "Write report.html into folders with results");
   report->add_option("outs", reported, "Folders of parts, traverses or comparisons")->required();
+  CLI::App* completion = app.add_subcommand("completion", "Print what completes words in bash");
+  CLI::App* manual = app.add_subcommand("manual", "Print this as a page of manual, for man -l -");
+  AddExamples(app);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
@@ -112,6 +119,10 @@ int Main(int argc, char** argv) {
   }
   if (report->parsed()) {
     fmt::print("{}", WriteReports({reported.begin(), reported.end()}));
+    return 0;
+  }
+  if (completion->parsed() || manual->parsed()) {
+    fmt::print("{}", completion->parsed() ? BashCompletion(app) : ManualPage(app));
     return 0;
   }
   if (options->parsed()) {

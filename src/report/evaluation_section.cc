@@ -42,7 +42,11 @@ constexpr std::array kKnownKeys{
     KnownKey{"found", "Rocks found"},
     KnownKey{"segmented", "Rocks in the map"},
     KnownKey{"unknown", "Of these, not in the survey"},
-    KnownKey{"rocks", "True rocks"},
+    KnownKey{"rocks", "Rocks"},
+    KnownKey{"rtk", "RTK fixes"},
+    KnownKey{"map", "The map over the true surface"},
+    KnownKey{"each", "Rock by rock"},
+    KnownKey{"segments", "By length of the stretch"},
     KnownKey{"accuracy_median", "Median distance of the map from the surface"},
     KnownKey{"completeness_2cm", "Share of the visible surface within 2 cm of the map"}};
 
@@ -52,9 +56,9 @@ struct Suffix {
 };
 // The first that fits.
 constexpr std::array kSuffixes{
-    Suffix{"_deg_per_m", Quantity::kRatio},    Suffix{"latitude_deg", Quantity::kRatio},
-    Suffix{"longitude_deg", Quantity::kRatio}, Suffix{"easting_m", Quantity::kRatio},
-    Suffix{"northing_m", Quantity::kRatio},    Suffix{"_mm", Quantity::kMillimetres},
+    Suffix{"_deg_per_m", Quantity::kRatio},    Suffix{"latitude_deg", Quantity::kExact},
+    Suffix{"longitude_deg", Quantity::kExact}, Suffix{"easting_m", Quantity::kExact},
+    Suffix{"northing_m", Quantity::kExact},    Suffix{"_mm", Quantity::kMillimetres},
     Suffix{"_m", Quantity::kMetres},           Suffix{"_pct", Quantity::kPercent},
     Suffix{"_px", Quantity::kPixels},          Suffix{"_s", Quantity::kSeconds},
     Suffix{"_deg", Quantity::kDegrees},        Suffix{"coverage", Quantity::kShare}};
@@ -71,7 +75,11 @@ std::string Readable(const std::string& key) {
     if (known.key == key) return known.name;
   }
   std::string text = key;
+  for (const char* unit : {"_deg", "_mm", "_m", "_pct", "_px", "_s"}) {
+    if (text.ends_with(unit)) text.erase(text.size() - std::string_view(unit).size());
+  }
   std::ranges::replace(text, '_', ' ');
+  if (!text.empty()) text[0] = static_cast<char>(std::toupper(text[0]));
   return Escaped(text);
 }
 

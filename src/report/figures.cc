@@ -42,6 +42,7 @@ ShownAs UnitOf(double value, Quantity quantity) {
       return {1.0, "MB"};
     case Quantity::kCount:
     case Quantity::kRatio:
+    case Quantity::kExact:
       break;
   }
   return {1.0, ""};
@@ -77,6 +78,7 @@ std::string BoundFigure(const FigureSource& source, const std::string& pointer, 
 std::string ShownNumber(double value, Quantity quantity, int digits) {
   if (!std::isfinite(value)) return kDash;
   if (quantity == Quantity::kCount) return Digits(std::round(value), 0);
+  if (quantity == Quantity::kExact) return fmt::format("{}", value);
   const ShownAs as = UnitOf(value, quantity);
   return fmt::format("{}{}{}", Digits(as.factor * value, digits), *as.unit ? "\u00a0" : "",
                      as.unit);

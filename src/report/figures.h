@@ -19,7 +19,8 @@ enum class Quantity {
   kDegrees,
   kSeconds,
   kMegabytes,
-  kRatio
+  kRatio,
+  kExact  // as the file has it
 };
 
 // A JSON document by the name that the report knows it by: summary, evaluation, comparison, map.

@@ -65,7 +65,10 @@ std::string RunSection(const PartContent& content) {
   const FigureSource summary = content.folder.Summary();
   const std::string command = TextAt(summary.json, "/command");
   const std::string colmap = TextAt(summary.json, "/versions/colmap");
-  std::string body = "<h3>Time and memory</h3>\n" + StagesTable(summary);
+  std::string body;
+  if (const std::string stages = StagesTable(summary); !stages.empty()) {
+    body += "<h3>Time and memory</h3>\n" + stages;
+  }
   body += "<h3>Options that differ from the defaults</h3>\n" + Options(content);
   body += fmt::format("<h3>Versions</h3>\n<p>rigmap {}{}</p>\n",
                       TextAt(summary.json, "/versions/rigmap"),
@@ -73,7 +76,9 @@ std::string RunSection(const PartContent& content) {
   if (!command.empty()) {
     body += fmt::format("<h3>How to repeat it</h3>\n<pre>{}</pre>\n", command);
   }
-  body += "<h3>Files</h3>\n" + Files(content.folder.root);
+  if (const std::string files = Files(content.folder.root); !files.empty()) {
+    body += "<h3>Files</h3>\n" + files;
+  }
   return HtmlSection("run", "How it was made",
                      "Equal data, options and version give equal results.", body);
 }

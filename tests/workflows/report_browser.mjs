@@ -55,7 +55,7 @@ async function shoot(page, name, selector) {
   if (!shots) return;
   if (selector) await page.$eval(selector, (element) => element.scrollIntoView({ behavior: 'instant' }));
   await pause(400);
-  await page.screenshot({ path: join(shots, `${name}.png`) });
+  await page.screenshot({ path: join(shots, `${name}.jpg`), type: 'jpeg', quality: 80 });
 }
 
 async function fits(page, what) {

@@ -69,7 +69,7 @@ class View {
 
   addMarks() {
     const { poses, truth, rtk, rocks } = this.world;
-    const thick = this.extent / 1600;
+    const thick = this.extent / 1200;
     if (poses) {
       const path = this.data.pathLength > 0 ? this.data.pathLength / Math.max(poses.x.length - 1, 1) : this.extent / 20;
       this.step = Math.max(path, this.extent / 300);
