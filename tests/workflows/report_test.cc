@@ -3,6 +3,7 @@
 
 #include <cstdlib>
 #include <nlohmann/json.hpp>
+#include <thread>
 
 #include "core/file.h"
 #include "report/bundle.h"
@@ -217,6 +218,10 @@ TEST(ReportOfTheDemo, KeepsItsBudgets) {
   ASSERT_EQ(part.exit_code, 0) << part.err;
   EXPECT_LT(fs::file_size(folder.Path() / "result" / "report.html"), 15'000'000U);
   ExpectBrowses(folder.Path() / "result", "view", "demo");
+  double load = 0.0;
+  if (getloadavg(&load, 1) == 1 && load > 2.0 * std::thread::hardware_concurrency()) {
+    GTEST_SKIP() << "times mean nothing: the machine is busy with other work";
+  }
   const ProgramEnd times = Browse(folder.Path() / "result", "times");
   ASSERT_EQ(times.exit_code, 0) << times.err;
   const Json best = Json::parse(times.out);

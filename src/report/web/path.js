@@ -1,5 +1,8 @@
 // What is drawn beside the map: the path, its cameras and sigmas, the true path, fixes, rocks.
 import * as THREE from 'three';
+import { Line2 } from 'three/examples/jsm/lines/Line2.js';
+import { LineGeometry } from 'three/examples/jsm/lines/LineGeometry.js';
+import { LineMaterial } from 'three/examples/jsm/lines/LineMaterial.js';
 
 const MOST_CAMERAS = 600;
 
@@ -14,32 +17,39 @@ function lines(vertices, colour, Kind = THREE.LineSegments) {
 export const positionOf = (poses, i) => new THREE.Vector3(poses.x[i], poses.y[i], poses.z[i]);
 export const rotationOf = (poses, i) => new THREE.Quaternion(...poses.q.slice(4 * i, 4 * i + 4));
 
-// A tube is seen from afar, where a line of one pixel is not.
-function tube(points, radius, colour) {
-  const curve = new THREE.CatmullRomCurve3(points, false, 'centripetal');
-  const segments = Math.min(4000, 4 * points.length);
-  return new THREE.Mesh(new THREE.TubeGeometry(curve, segments, radius, 6),
-    new THREE.MeshBasicMaterial({ color: colour }));
+// As wide on the screen from near and from afar: scenes are of metres or of kilometres.
+function fatLine(points, width_px, colour) {
+  const geometry = new LineGeometry();
+  geometry.setPositions(points.flatMap((p) => p.toArray()));
+  return new Line2(geometry, new LineMaterial({ color: colour, linewidth: width_px }));
 }
 
-export function pathLine(poses, radius) {
-  const points = poses.x.map((_, i) => positionOf(poses, i))
-    .filter((p, i, all) => i === 0 || p.distanceTo(all[i - 1]) > 1e-6);
-  return points.length < 2 ? new THREE.Group() : tube(points, radius, COLOURS.path);
+const apart = (points) => points.filter((p, i) => i === 0 || p.distanceTo(points[i - 1]) > 1e-6);
+
+export function polyline(points, width_px, colour) {
+  const vectors = apart(points.map((p) => new THREE.Vector3(...p)));
+  return vectors.length < 2 ? new THREE.Group() : fatLine(vectors, width_px, colour);
 }
 
-export function polyline(points, radius, colour) {
-  const vectors = points.map((p) => new THREE.Vector3(...p))
-    .filter((p, i, all) => i === 0 || p.distanceTo(all[i - 1]) > 1e-6);
-  return vectors.length < 2 ? new THREE.Group() : tube(vectors, radius, colour);
+export function pathLine(poses, width_px) {
+  return polyline(poses.x.map((_, i) => positionOf(poses, i).toArray()), width_px, COLOURS.path);
 }
 
-export function dots(points, radius, colour) {
-  const mesh = new THREE.InstancedMesh(new THREE.SphereGeometry(radius, 10, 8),
-    new THREE.MeshBasicMaterial({ color: colour }), points.length);
-  const matrix = new THREE.Matrix4();
-  points.forEach((p, i) => mesh.setMatrixAt(i, matrix.makeTranslation(...p)));
-  return mesh;
+function disc() {
+  const canvas = document.createElement('canvas');
+  canvas.width = canvas.height = 32;
+  const context = canvas.getContext('2d');
+  context.fillStyle = '#fff';
+  context.arc(16, 16, 15, 0, 2 * Math.PI);
+  context.fill();
+  return new THREE.CanvasTexture(canvas);
+}
+
+export function dots(points, width_px, colour) {
+  const geometry = new THREE.BufferGeometry();
+  geometry.setAttribute('position', new THREE.Float32BufferAttribute(points.flat(), 3));
+  return new THREE.Points(geometry, new THREE.PointsMaterial({
+    color: colour, size: width_px, sizeAttenuation: false, map: disc(), alphaTest: 0.5 }));
 }
 
 export function shownCameras(poses) {

@@ -69,19 +69,18 @@ class View {
 
   addMarks() {
     const { poses, truth, rtk, rocks } = this.world;
-    const thick = this.extent / 1200;
     if (poses) {
       const path = this.data.pathLength > 0 ? this.data.pathLength / Math.max(poses.x.length - 1, 1) : this.extent / 20;
       this.step = Math.max(path, this.extent / 300);
-      this.addLayer('path', 'Path', marks.pathLine(poses, thick), true, marks.COLOURS.path);
+      this.addLayer('path', 'Path', marks.pathLine(poses, 3), true, marks.COLOURS.path);
       this.addLayer('cameras', 'Cameras', marks.frustums(poses, this.data.camera, Math.min(0.8 * this.step, this.extent / 25)), true, marks.COLOURS.path);
       const rings = marks.sigmaRings(poses, this.extent);
       if (rings.times > 0) {
         this.addLayer('sigmas', `Sigmas \u00d7 ${rings.times.toLocaleString('en')}`, rings.group, false, marks.COLOURS.sigma);
       }
     }
-    if (truth.length) this.addLayer('truth', 'True path', marks.polyline(truth, thick, marks.COLOURS.truth), true, marks.COLOURS.truth);
-    if (rtk.length) this.addLayer('rtk', 'RTK fixes', marks.dots(rtk, 3 * thick, marks.COLOURS.rtk), true, marks.COLOURS.rtk);
+    if (truth.length) this.addLayer('truth', 'True path', marks.polyline(truth, 5, marks.COLOURS.truth), true, marks.COLOURS.truth);
+    if (rtk.length) this.addLayer('rtk', 'RTK fixes', marks.dots(rtk, 9, marks.COLOURS.rtk), true, marks.COLOURS.rtk);
     if (rocks.length) this.addLayer('rocks', 'Rocks', marks.rockMarks(rocks, this.extent), true, marks.COLOURS.rock);
   }
 
@@ -258,10 +257,9 @@ class View {
 
   showPicked() {
     this.measured.clear();
-    const radius = this.camera.position.distanceTo(this.controls.target) / 250;
     const points = this.picked.map(({ position }) => position.toArray());
-    if (points.length) this.measured.add(marks.dots(points, radius, 0xffffff));
-    if (points.length === 2) this.measured.add(marks.polyline(points, radius / 3, 0xffffff));
+    if (points.length) this.measured.add(marks.dots(points, 10, 0xffffff));
+    if (points.length === 2) this.measured.add(marks.polyline(points, 2, 0xffffff));
     const [one, other] = this.picked;
     const height = one && one.position.z + (this.data.points?.origin[2] ?? 0);
     let text = '';
