@@ -13,6 +13,7 @@
 #include "workflows/comparison.h"
 #include "workflows/evaluate_part.h"
 #include "workflows/reconstruct_part.h"
+#include "workflows/report.h"
 
 namespace rigmap {
 namespace {
@@ -224,6 +225,7 @@ std::string Compare(const CompareRequest& request) {
                       [&](std::ostream& stream) { stream << comparison.dump(1) << "\n"; });
   WriteFileAtomically(request.out / "comparison.csv",
                       [&](std::ostream& stream) { stream << WriteComparisonCsv(rows); });
+  TryToWriteReport(request.out, nullptr);
   return FormatComparison(comparison);
 }
 

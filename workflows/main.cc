@@ -1,4 +1,5 @@
-// The command line: rigmap part, run, plan, join, evaluate, calibrate, compare, options, stages.
+// The command line: rigmap part, run, plan, join, evaluate, calibrate, compare, report, options,
+// stages.
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -13,12 +14,15 @@
 #include "core/freed_memory.h"
 #include "pipeline/code_identity.h"
 #include "workflows/calibrate.h"
+#include "workflows/command_documents.h"
 #include "workflows/evaluate_part.h"
 #include "workflows/join.h"
 #include "workflows/part_arguments.h"
 #include "workflows/print_options.h"
 #include "workflows/print_stages.h"
 #include "workflows/reconstruct_part.h"
+#include "workflows/report.h"
+#include "workflows/verdict_lines.h"
 
 namespace rigmap {
 namespace {
@@ -39,6 +43,8 @@ void SayWhyNot(const Refusal& refusal, const std::string& out) {
   for (const std::string& sentence : advice) {
     fmt::print(stderr, "rigmap: to try next: {}\n", sentence);
   }
+  const auto report = fs::path(out) / "report.html";
+  if (fs::exists(report)) fmt::print(stderr, "rigmap: report: {}\n", report.string());
   fmt::print(stderr, "rigmap: what lies in {} is not to be trusted: {}\n", out,
              fmt::join(gates, "; "));
 }
@@ -51,9 +57,9 @@ int SayHowItEnded(const PartResult& result, const PartArguments& arguments) {
   }
   if (!arguments.quiet) {
     const bool partial = result.status == PartStatus::kPartial;
-    fmt::print(stderr, "rigmap: {}, {}; results in {}\n",
+    fmt::print(stderr, "{}rigmap: {}{}; results in {}\n", VerdictLines(arguments.out),
                arguments.until.empty() ? "done" : "done up to " + arguments.until,
-               partial ? result.reason : result.verdict, arguments.out);
+               partial ? ", " + result.reason : "", arguments.out);
   }
   return 0;
 }
@@ -101,6 +107,12 @@ int Main(int argc, char** argv) {
   std::string technique = "rig";
   CLI::App* stages = app.add_subcommand("stages", "Print the stages of a technique as a table");
   stages->add_option("--technique", technique, "rig (default) or another");
+  std::vector<std::string> reported;
+  CLI::App* report = app.add_subcommand("report", "Write report.html into folders with results");
+  report->add_option("outs", reported, "Folders of parts, traverses or comparisons")->required();
+  CLI::App* completion = app.add_subcommand("completion", "Print what completes words in bash");
+  CLI::App* manual = app.add_subcommand("manual", "Print this as a page of manual, for man -l -");
+  AddExamples(app);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
@@ -122,6 +134,14 @@ int Main(int argc, char** argv) {
   }
   if (comparison->parsed()) {
     fmt::print("{}", Compare(MakeCompareRequest(compare, command)));
+    return 0;
+  }
+  if (report->parsed()) {
+    fmt::print("{}", WriteReports({reported.begin(), reported.end()}));
+    return 0;
+  }
+  if (completion->parsed() || manual->parsed()) {
+    fmt::print("{}", completion->parsed() ? BashCompletion(app) : ManualPage(app));
     return 0;
   }
   if (options->parsed()) {

@@ -29,8 +29,8 @@ constexpr const char* kLockName = ".lock";
 constexpr const char* kMarkName = ".dataset";
 
 // Beside what the techniques publish.
-constexpr const char* kOwnNames[] = {kLockName,     kMarkName, "summary.json",
-                                     "config.yaml", "logs",    "stages"};
+constexpr const char* kOwnNames[] = {kLockName, kMarkName,     "summary.json", "config.yaml",
+                                     "logs",    "report.html", "stages"};
 
 // Of a traverse, beside what is made of the whole: what its parts are and were made from. No run on
 // the whole takes them away.
@@ -202,7 +202,7 @@ void RequireInputElsewhere(const fs::path& root, const Dataset& dataset) {
 
 void ClaimOutput(const fs::path& root, const FolderMark& mark, bool force) {
   if (force) Empty(root);
-  for (const char* name : {"summary.json", "config.yaml"}) fs::remove(root / name);
+  for (const char* name : {"summary.json", "config.yaml", "report.html"}) fs::remove(root / name);
   WriteFileAtomically(root / kMarkName, [&](std::ostream& stream) { stream << MarkText(mark); });
 }
 

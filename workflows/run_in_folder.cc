@@ -12,6 +12,7 @@
 #include "workflows/output_folder.h"
 #include "workflows/part_summary.h"
 #include "workflows/recipes.h"
+#include "workflows/report.h"
 #include "workflows/rig_prior.h"
 #include "workflows/stages/database.h"
 
@@ -100,10 +101,12 @@ PartResult RunInFolder(const FolderRun& run, Dataset dataset, Job& job) {
   try {
     const Ledger ledger = RunRecipe(run, root, input, job);
     WriteOutcome(root, run, ledger, "");
+    TryToWriteReport(root, &input.dataset);
     return Judge(ledger, FirstFrame(request));
   } catch (const std::exception& error) {
     job.LogToTerminal();
     TryToWriteFailure(root, run, error.what());
+    TryToWriteReport(root, &input.dataset);
     throw;
   }
 }

@@ -15,6 +15,14 @@ constexpr auto kBarInterval = std::chrono::milliseconds(100);
 constexpr auto kLineInterval = std::chrono::seconds(5);
 constexpr std::size_t kBarWidth = 30;
 
+// ", 3.2/s, 14 s left"; nothing before anything is known of the rate.
+std::string RateText(std::size_t done, std::size_t total, double seconds) {
+  if (done == 0 || !(seconds > 0.5)) return "";
+  const double rate = static_cast<double>(done) / seconds;
+  if (done == total) return fmt::format(", {:.3g}/s", rate);
+  return fmt::format(", {:.3g}/s, {:.0f} s left", rate, static_cast<double>(total - done) / rate);
+}
+
 }  // namespace
 
 Progress::Progress(std::string label, std::size_t total)
@@ -51,10 +59,12 @@ void Progress::Show(bool final) {
   const auto done = std::min(done_, total_);
   if (terminal) {
     const std::size_t filled = total_ ? kBarWidth * done / total_ : kBarWidth;
-    fmt::print(stderr, "\r{:<12} [{}{}] {}/{} {:.1f} s{}", label_, std::string(filled, '#'),
-               std::string(kBarWidth - filled, ' '), done, total_, seconds, final ? "\n" : "");
+    fmt::print(stderr, "\r{:<12} [{}{}] {}/{} {:.1f} s{}\x1b[K{}", label_, std::string(filled, '#'),
+               std::string(kBarWidth - filled, ' '), done, total_, seconds,
+               RateText(done, total_, seconds), final ? "\n" : "");
   } else {
-    fmt::print(stderr, "{}: {}/{} ({:.1f} s)\n", label_, done, total_, seconds);
+    fmt::print(stderr, "{}: {}/{} ({:.1f} s{})\n", label_, done, total_, seconds,
+               RateText(done, total_, seconds));
   }
   std::fflush(stderr);
 }

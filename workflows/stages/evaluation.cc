@@ -2,6 +2,7 @@
 
 #include "pipeline/code_identity.h"
 #include "workflows/stages/compare_result.h"
+#include "workflows/stages/reference_output.h"
 
 namespace rigmap {
 namespace {
@@ -12,12 +13,13 @@ std::vector<TumPose> PosesOf(const Trajectory& trajectory) {
   return poses;
 }
 
-// evaluation.json; empty if there is nothing to compare with.
-std::string MakeMetrics(const StageContext& context, const Dataset& dataset, const Truth& truth,
-                        const PosedPart& part, const Steps& steps, const FusedMap&,
-                        const EvaluationOptions& options, const RtkAlignmentOptions& alignment,
-                        const RockSegmentationOptions& segmentation,
-                        const RockSurveyOptions& survey) {
+std::string TextOf(const Report& report) { return report.is_null() ? "" : report.dump(1) + "\n"; }
+
+EvaluationTexts MakeMetrics(const StageContext& context, const Dataset& dataset, const Truth& truth,
+                            const PosedPart& part, const Steps& steps, const FusedMap&,
+                            const EvaluationOptions& options, const RtkAlignmentOptions& alignment,
+                            const RockSegmentationOptions& segmentation,
+                            const RockSurveyOptions& survey) {
   const auto map = context.root / "dense.ply";
   Report metrics;
   if (!truth.path.empty()) {
@@ -27,16 +29,19 @@ std::string MakeMetrics(const StageContext& context, const Dataset& dataset, con
           CompareWithTruth(PosesOf(step.trajectory), truth.path, {}, options);
     }
   }
-  const Report surveyed = CompareWithSurvey({part.trajectory, dataset.rig, truth, map},
-                                            {alignment, segmentation, survey});
+  const SurveyedResult result{part.trajectory, dataset.rig, truth, map};
+  const Report surveyed = CompareWithSurvey(result, {alignment, segmentation, survey});
   if (!surveyed.is_null()) metrics.update(surveyed);
-  return metrics.is_null() ? "" : metrics.dump(1) + "\n";
+  return {TextOf(metrics), TextOf(DescribeReference(result, metrics, options, alignment))};
 }
 
-void PublishMetrics(Publication& publication, const StageContext&, const std::string& metrics,
+void PublishMetrics(Publication& publication, const StageContext&, const EvaluationTexts& texts,
                     const Dataset&, const Truth&, const PosedPart&, const Steps&, const FusedMap&) {
-  if (metrics.empty()) return;
-  publication.File("evaluation.json", [&](std::ostream& stream) { stream << metrics; });
+  const auto publish = [&](const char* name, const std::string& text) {
+    if (!text.empty()) publication.File(name, [&](std::ostream& stream) { stream << text; });
+  };
+  publish("evaluation.json", texts.metrics);
+  publish("reference.json", texts.reference);
 }
 
 }  // namespace
@@ -46,7 +51,7 @@ EvaluationStage Evaluation() {
           .about = "trajectory, map and rocks beside ground truth, satellite fixes and survey",
           .code = CodeHere(),
           .make = MakeMetrics,
-          .publishes = {"evaluation.json"},
+          .publishes = {"evaluation.json", "reference.json"},
           .publish = PublishMetrics};
 }
 

@@ -1,5 +1,5 @@
-// The stage `evaluation`: leaves evaluation.json where there is a truth or there are satellite
-// fixes.
+// The stage `evaluation`: leaves evaluation.json and reference.json where there is a truth or there
+// are satellite fixes.
 #pragma once
 
 #include <string>
@@ -14,8 +14,18 @@
 
 namespace rigmap {
 
+// Whole files; empty where there is nothing to compare with.
+struct EvaluationTexts {
+  std::string metrics, reference;
+
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(metrics, reference);
+  }
+};
+
 using EvaluationStage = Stage<
-    std::string, Takes<Dataset, Truth, PosedPart, Steps, FusedMap>,
+    EvaluationTexts, Takes<Dataset, Truth, PosedPart, Steps, FusedMap>,
     Reads<EvaluationOptions, RtkAlignmentOptions, RockSegmentationOptions, RockSurveyOptions>>;
 EvaluationStage Evaluation();
 

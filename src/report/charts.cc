@@ -1,0 +1,245 @@
+// The route with its curves, and what the scripts draw.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "report/html.h"
+#include "report/part_content.h"
+
+namespace rigmap {
+namespace {
+
+double Rounded5(double value) {
+  return value == 0.0 || !std::isfinite(value) ? 0.0 : std::stod(fmt::format("{:.5g}", value));
+}
+double ToMillimetre(double m) { return std::round(1e4 * m) / 1e4; }
+
+template <class Get>
+Json Values(const Trajectory& trajectory, const Get& get) {
+  Json values = Json::array();
+  for (std::size_t i = 0; i < trajectory.size(); ++i) values.push_back(get(trajectory[i]));
+  return values;
+}
+
+Json Chart(const char* id, const Json& x, const char* x_label, const char* y_label, Json series) {
+  return {{"id", id},
+          {"x", {{"label", x_label}, {"values", x}}},
+          {"yLabel", y_label},
+          {"series", std::move(series)}};
+}
+
+Json Series(const char* label, Json values) {
+  return {{"label", label}, {"values", std::move(values)}};
+}
+
+Json SigmaSeries(const Trajectory& trajectory) {
+  Json series = Json::array();
+  for (const auto& [name, axis] : {std::pair{"x", 0}, std::pair{"y", 1}, std::pair{"z", 2}}) {
+    series.push_back(Series(name, Values(trajectory, [axis = axis](const TimedPose& pose) {
+                              return Rounded5(1000.0 * pose.sigmas[axis]);
+                            })));
+  }
+  return series;
+}
+
+// The true position at each pose's time, between its neighbours in `rows`; nothing outside.
+std::optional<Eigen::Vector3d> TruthAt(const Json& rows, StampNs stamp_ns) {
+  const auto stamp_of = [](const Json& row) { return row[0].get<StampNs>(); };
+  const auto after = std::ranges::lower_bound(rows, stamp_ns, {}, stamp_of);
+  const auto position = [](const Json& row) { return Eigen::Vector3d(row[1], row[2], row[3]); };
+  if (after == rows.end()) return std::nullopt;
+  if (stamp_of(*after) == stamp_ns) return position(*after);
+  constexpr StampNs kMatch_ns = 20'000'000;
+  if (stamp_of(*after) - stamp_ns < kMatch_ns) return position(*after);
+  if (after == rows.begin()) return std::nullopt;
+  const auto before = std::prev(after);
+  const double share = static_cast<double>(stamp_ns - stamp_of(*before)) /
+                       static_cast<double>(stamp_of(*after) - stamp_of(*before));
+  return (1.0 - share) * position(*before) + share * position(*after);
+}
+
+Json ErrorSeries(const Trajectory& trajectory, const Json& truth) {
+  Json horizontal = Json::array(), vertical = Json::array();
+  for (const TimedPose& pose : trajectory) {
+    const auto there = TruthAt(truth, pose.stamp_ns);
+    if (!there) {
+      horizontal.push_back(nullptr);
+      vertical.push_back(nullptr);
+      continue;
+    }
+    const Eigen::Vector3d error = pose.world_from_left.translation - *there;
+    horizontal.push_back(Rounded5(1000.0 * error.head<2>().norm()));
+    vertical.push_back(Rounded5(1000.0 * error.z()));
+  }
+  return {Series("horizontal", horizontal), Series("height", vertical)};
+}
+
+Json PointSeries(const Trajectory& trajectory, const SparseStatistics& statistics) {
+  const auto value = [&](const TimedPose& pose) -> Json {
+    const auto image = statistics.images.find(pose.stamp_ns);
+    return image == statistics.images.end() ? Json(nullptr) : Json(image->second.points);
+  };
+  return {Series("sparse points in the left image", Values(trajectory, value))};
+}
+
+Json Charts(const PartContent& content) {
+  const Trajectory& trajectory = content.folder.trajectory;
+  if (trajectory.size() < 3) return Json::array();
+  Json distance = Json::array(), frame = Json::array();
+  double last = -1.0;
+  for (const double metres : DistancesAlong(trajectory)) {
+    last = std::max(ToMillimetre(metres), last + 1e-6);  // a rover that stands: still in order
+    distance.push_back(last);
+    frame.push_back(frame.size());
+  }
+  constexpr const char* kDistance = "distance driven, m";
+  Json charts = Json::array();
+  const auto height = [](const TimedPose& pose) {
+    return ToMillimetre(pose.world_from_left.translation.z());
+  };
+  charts.push_back(Chart("height", distance, kDistance, "height, m",
+                         {Series("height of the left camera", Values(trajectory, height))}));
+  if (std::ranges::any_of(trajectory, [](const auto& pose) { return !pose.sigmas.isZero(); })) {
+    charts.push_back(
+        Chart("sigmas", distance, kDistance, "sigma of the position, mm", SigmaSeries(trajectory)));
+  }
+  if (const Json& truth = At(content.folder.reference, "/truth"); truth.size() > 1) {
+    charts.push_back(
+        Chart("errors", distance, kDistance, "error, mm", ErrorSeries(trajectory, truth)));
+  }
+  if (content.sparse) {
+    charts.push_back(Chart("points-per-frame", frame, "frame", "points",
+                           PointSeries(trajectory, *content.sparse)));
+  }
+  return charts;
+}
+
+Json DescribePoses(const Trajectory& trajectory) {
+  const StampNs first_ns = trajectory.front().stamp_ns;
+  const auto axis = [&](int i) {
+    return Values(trajectory, [i](const TimedPose& pose) {
+      return ToMillimetre(pose.world_from_left.translation[i]);
+    });
+  };
+  const auto sigma = [&](int i) {
+    return Values(trajectory, [i](const TimedPose& pose) { return Rounded5(pose.sigmas[i]); });
+  };
+  Json rotations = Json::array();
+  for (const TimedPose& pose : trajectory) {
+    for (const double number : pose.world_from_left.rotation.coeffs()) {
+      rotations.push_back(Rounded5(number));
+    }
+  }
+  const auto turn = [](const TimedPose& pose) {
+    return Rounded5(pose.sigmas.tail<3>().maxCoeff());
+  };
+  return {{"t", Values(trajectory,
+                       [&](const TimedPose& pose) {
+                         return ToMillimetre(1e-9 * static_cast<double>(pose.stamp_ns - first_ns));
+                       })},
+          {"x", axis(0)},
+          {"y", axis(1)},
+          {"z", axis(2)},
+          {"q", rotations},
+          {"sx", sigma(0)},
+          {"sy", sigma(1)},
+          {"sz", sigma(2)},
+          {"sr", Values(trajectory, turn)},
+          {"source", Values(trajectory, [](const auto& pose) { return Name(pose.source); })},
+          {"keyframe", Values(trajectory, [](const auto& pose) { return pose.keyframe; })}};
+}
+
+Json LeftCameraOf(const PartContent& content) {
+  if (content.folder.sparse) {
+    for (const SparseCamera& camera : content.folder.sparse->cameras) {
+      if (camera.eye != Eye::kLeft) continue;
+      const Camera& c = camera.camera;
+      return {{"width", c.width}, {"height", c.height}, {"fx", c.fx},
+              {"fy", c.fy},       {"cx", c.cx},         {"cy", c.cy}};
+    }
+  }
+  return {{"width", 4}, {"height", 3}, {"fx", 4}, {"fy", 4}, {"cx", 2}, {"cy", 1.5}};
+}
+
+Json Positions(const Json& rows) {
+  Json positions = Json::array();
+  for (const Json& row : rows) positions.push_back({row[1], row[2], row[3]});
+  return positions;
+}
+
+// Of points and path together.
+Json BoundsOfScene(const PartContent& content) {
+  Eigen::Vector3d low = Eigen::Vector3d::Constant(INFINITY), high = -low;
+  if (!content.points.levels.empty()) {
+    low = Eigen::Map<const Eigen::Vector3d>(content.points.bounds_m[0].data());
+    high = Eigen::Map<const Eigen::Vector3d>(content.points.bounds_m[1].data());
+  }
+  for (const TimedPose& pose : content.folder.trajectory) {
+    low = low.cwiseMin(pose.world_from_left.translation);
+    high = high.cwiseMax(pose.world_from_left.translation);
+  }
+  if (!low.allFinite()) return nullptr;
+  return {{"low", {low.x(), low.y(), low.z()}}, {"high", {high.x(), high.y(), high.z()}}};
+}
+
+Json RocksOfView(const PartContent& content) {
+  Json rocks = Json::array();
+  if (!content.cloud || !content.cloud->rocks) return rocks;
+  for (const SegmentedRock& rock : *content.cloud->rocks) {
+    rocks.push_back({{"x", ToMillimetre(rock.centre.x())},
+                     {"y", ToMillimetre(rock.centre.y())},
+                     {"top", ToMillimetre(rock.top_z_m)},
+                     {"width", ToMillimetre(rock.width_m)},
+                     {"height", ToMillimetre(rock.height_m)}});
+  }
+  return rocks;
+}
+
+}  // namespace
+
+std::string RouteSection(const PartContent& content) {
+  const std::string route = RouteDrawing(content);
+  if (route.empty()) return "";
+  std::string body = "<figure>" + route + "</figure>\n";
+  const FigureSource evaluation = content.folder.Evaluation();
+  if (HasFigure(evaluation, "/ate_se3_m")) {
+    body += fmt::format("<p>Off the true path by {} (RMS), which is {} of its length.</p>\n",
+                        Figure(evaluation, "/ate_se3_m", Quantity::kMetres),
+                        Figure(evaluation, "/ate_se3_pct", Quantity::kPercent));
+    body += "<h3>Error over distance</h3>\n<div data-chart=\"errors\"></div>\n";
+  }
+  body +=
+      "<h3>Sigma over distance</h3>\n<div data-chart=\"sigmas\"></div>\n"
+      "<h3>Height over distance</h3>\n<div data-chart=\"height\"></div>\n";
+  return HtmlSection("route", "The route",
+                     "From above, in metres of the world: x is where the first camera looked. "
+                     "Sigmas are one standard deviation relative to the start.",
+                     body);
+}
+
+Json PageData(const PartContent& content) {
+  const Trajectory& trajectory = content.folder.trajectory;
+  const auto distances = DistancesAlong(trajectory);
+  const FigureSource summary = content.folder.Summary();
+  Json data = {{"charts", Charts(content)},
+               {"map", content.map},
+               {"truth", Positions(At(content.folder.reference, "/truth"))},
+               {"rtk", Positions(At(content.folder.reference, "/rtk"))},
+               {"rocks", RocksOfView(content)},
+               {"camera", LeftCameraOf(content)},
+               {"bounds", BoundsOfScene(content)},
+               {"pathLength", distances.empty() ? 0.0 : ToMillimetre(distances.back())}};
+  if (trajectory.size() > 1) data["poses"] = DescribePoses(trajectory);
+  if (!content.points.levels.empty()) {
+    data["points"] = DescribePoints(content.points, content.cloud->count_in_map);
+  }
+  if (HasFigure(summary, "/verdict/scale_95_pct")) {
+    constexpr double kSigmasOf95Pct = 1.96;
+    data["scaleSigma"] =
+        At(summary.json, "/verdict/scale_95_pct").get<double>() / 100.0 / kSigmasOf95Pct;
+  }
+  return data;
+}
+
+}  // namespace rigmap

@@ -1,0 +1,176 @@
+// The frames in order of time, those first that something is wrong with.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <set>
+
+#include "report/html.h"
+#include "report/part_content.h"
+
+namespace rigmap {
+namespace {
+
+constexpr std::size_t kMostBadFrames = 40;
+
+struct JudgedFrame {
+  std::size_t index = 0;
+  std::vector<std::string> faults;
+};
+
+std::set<std::string> UnreadableNames(const Json& summary) {
+  std::set<std::string> names;
+  for (const Json& path : At(summary, "/health/unreadable_images")) {
+    if (path.is_string()) names.insert(std::filesystem::path(path.get<std::string>()).stem());
+  }
+  return names;
+}
+
+double MedianPoints(const SparseStatistics& statistics) {
+  std::vector<std::size_t> counts;
+  for (const auto& [stamp, image] : statistics.images) counts.push_back(image.points);
+  if (counts.empty()) return 0.0;
+  const auto middle = counts.begin() + static_cast<std::ptrdiff_t>(counts.size() / 2);
+  std::ranges::nth_element(counts, middle);
+  return static_cast<double>(*middle);
+}
+
+std::vector<std::string> FaultsOf(const TimedPose& pose, const PartContent& content,
+                                  double median_points) {
+  std::vector<std::string> faults;
+  if (pose.source == PoseSource::kPredicted) {
+    faults.emplace_back("pose guessed: nothing in the images could be followed");
+  } else if (pose.source == PoseSource::kOdometry && content.sparse) {
+    faults.emplace_back("pose by odometry alone: not in the adjusted model");
+  }
+  if (!content.sparse) return faults;
+  const auto image = content.sparse->images.find(pose.stamp_ns);
+  if (image != content.sparse->images.end() &&
+      static_cast<double>(image->second.points) < 0.25 * median_points) {
+    faults.push_back(fmt::format("few points: {}, where the median frame has {:.0f}",
+                                 image->second.points, median_points));
+  }
+  return faults;
+}
+
+std::vector<JudgedFrame> BadFrames(const PartContent& content) {
+  const std::set<std::string> unreadable = UnreadableNames(content.folder.summary);
+  const double median_points = content.sparse ? MedianPoints(*content.sparse) : 0.0;
+  std::vector<JudgedFrame> bad;
+  const Trajectory& trajectory = content.folder.trajectory;
+  for (std::size_t i = 0; i < trajectory.size(); ++i) {
+    std::vector<std::string> faults = FaultsOf(trajectory[i], content, median_points);
+    if (unreadable.contains(std::to_string(trajectory[i].stamp_ns))) {
+      faults.emplace_back("an image cannot be read");
+    }
+    if (!faults.empty()) bad.push_back({i, std::move(faults)});
+  }
+  return bad;
+}
+
+std::string FrameCaption(const PartContent& content, std::size_t index) {
+  const Trajectory& trajectory = content.folder.trajectory;
+  const double seconds =
+      1e-9 * static_cast<double>(trajectory[index].stamp_ns - trajectory.front().stamp_ns);
+  return fmt::format("frame {}, {:.1f} s", index, seconds);
+}
+
+// `with_id`: the one picture of the frame that scripts look for.
+std::string Thumbnail(const PartContent& content, std::size_t index, const std::string& note,
+                      bool with_id) {
+  const auto found = content.thumbnails.find(content.folder.trajectory[index].stamp_ns);
+  const std::string caption = FrameCaption(content, index);
+  const std::string image =
+      found == content.thumbnails.end()
+          ? "<div class=\"missing\">no picture</div>"
+          : fmt::format("<img loading=\"lazy\" {}src=\"{}\" alt=\"left image of {}\">",
+                        with_id ? fmt::format("data-frame=\"{}\" ", index) : "", found->second,
+                        caption);
+  return fmt::format("<figure>{}<figcaption>{}{}</figcaption></figure>\n", image, caption, note);
+}
+
+std::string BadFramesOf(const PartContent& content) {
+  const std::vector<JudgedFrame> bad = BadFrames(content);
+  if (bad.empty()) return "<p>Every frame has a measured pose and enough points.</p>\n";
+  std::string pictures;
+  for (std::size_t i = 0; i < bad.size() && i < kMostBadFrames; ++i) {
+    pictures += Thumbnail(content, bad[i].index,
+                          fmt::format("<br>{}", fmt::join(bad[i].faults, "; ")), true);
+  }
+  const std::string more =
+      bad.size() > kMostBadFrames ? fmt::format(", the first {} of them here", kMostBadFrames) : "";
+  return fmt::format("<h3>{} frames that stand out{}</h3>\n<div class=\"thumbnails\">{}</div>\n",
+                     bad.size(), more, pictures);
+}
+
+std::string AllFrames(const PartContent& content) {
+  std::set<std::size_t> shown;
+  const std::vector<JudgedFrame> bad = BadFrames(content);
+  for (std::size_t i = 0; i < bad.size() && i < kMostBadFrames; ++i) shown.insert(bad[i].index);
+  std::string pictures;
+  for (std::size_t i = 0; i < content.folder.trajectory.size(); ++i) {
+    if (shown.contains(i)) continue;
+    if (!content.thumbnails.contains(content.folder.trajectory[i].stamp_ns)) continue;
+    pictures += Thumbnail(content, i, "", true);
+  }
+  if (pictures.empty()) return "";
+  return fmt::format(
+      "<details class=\"all-frames\"><summary>Images of {} frames</summary>\n"
+      "<div class=\"thumbnails\">{}</div></details>\n",
+      content.thumbnails.size(), pictures);
+}
+
+// One mark per frame, of the colour of how its pose was got.
+std::string Timeline(const PartContent& content) {
+  const Trajectory& trajectory = content.folder.trajectory;
+  if (trajectory.size() < 2) return "";
+  std::string marks;
+  const double width = 1000.0 / static_cast<double>(trajectory.size());
+  for (std::size_t i = 0; i < trajectory.size(); ++i) {
+    const std::size_t first = i;
+    const PoseSource source = trajectory[i].source;
+    while (i + 1 < trajectory.size() && trajectory[i + 1].source == source) ++i;
+    marks += fmt::format(
+        "<rect class=\"{}\" x=\"{:.2f}\" y=\"0\" width=\"{:.2f}\" height=\"18\">"
+        "<title>frames {} to {}: {}</title></rect>\n",
+        Name(source), width * static_cast<double>(first),
+        width * static_cast<double>(i - first + 1), first, i, Name(source));
+  }
+  return "<svg class=\"timeline\" role=\"img\" aria-label=\"how each frame's pose was got\" "
+         "viewBox=\"0 0 1000 18\" preserveAspectRatio=\"none\">" +
+         marks +
+         "</svg>\n<p class=\"legend-line\"><span><i class=\"key "
+         "adjusted\"></i>adjusted</span><span>"
+         "<i class=\"key odometry\"></i>odometry</span><span><i class=\"key "
+         "predicted\"></i>guessed</span></p>\n";
+}
+
+std::string Remarks(const Json& summary) {
+  std::string list;
+  for (const char* pointer : {"/health/remarks", "/mapping/remarks"}) {
+    for (const Json& remark : At(summary, pointer)) {
+      if (remark.is_string()) list += "<li>" + Escaped(remark.get<std::string>()) + "</li>\n";
+    }
+  }
+  return list.empty() ? "" : "<h3>Remarks</h3><ul>" + list + "</ul>\n";
+}
+
+}  // namespace
+
+std::string FramesSection(const PartContent& content) {
+  const FigureSource summary = content.folder.Summary();
+  HtmlTable table({"Images read", "Pairs", "Keyframes", "In the map", "Posed"});
+  if (HasFigure(summary, "/frames/read")) {
+    table.Row({Figure(summary, "/frames/read", Quantity::kCount),
+               Figure(summary, "/frames/paired", Quantity::kCount),
+               Figure(summary, "/frames/keyframes", Quantity::kCount),
+               Figure(summary, "/frames/registered", Quantity::kCount),
+               Figure(summary, "/frames/posed", Quantity::kCount)});
+  }
+  std::string body = table.Text() + Timeline(content);
+  if (!content.folder.trajectory.empty()) body += BadFramesOf(content);
+  body += Remarks(summary.json) + AllFrames(content);
+  return HtmlSection("frames", "Frames", "How each frame's pose was got, in order of time.", body);
+}
+
+}  // namespace rigmap

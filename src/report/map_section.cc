@@ -1,0 +1,94 @@
+// The map: the 3-D view with pictures in its stead, what it holds, and its rocks.
+#include <fmt/format.h>
+
+#include "report/bundle.h"
+#include "report/html.h"
+#include "report/part_content.h"
+#include "report/pictures.h"
+
+namespace rigmap {
+namespace {
+
+constexpr int kPictureSide_px = 1200;
+constexpr std::size_t kMostRocks = 15;
+
+std::string PictureOf(const PartContent& content, const char* file, const char* caption) {
+  const std::string url = PictureUrl(content.folder.root / file, kPictureSide_px, 78);
+  if (url.empty()) return "";
+  return fmt::format(
+      "<figure><img loading=\"lazy\" src=\"{}\" alt=\"{}\"><figcaption>{}"
+      "</figcaption></figure>\n",
+      url, caption, caption);
+}
+
+std::string RockTable(const PartContent& content) {
+  const FigureSource map = content.Map();
+  const Json& rocks = At(content.map, "/largest_rocks");
+  HtmlTable table({"Rock", "Height above the ground", "Width", "x", "y"});
+  for (std::size_t i = 0; i < rocks.size() && i < kMostRocks; ++i) {
+    const std::string at = fmt::format("/largest_rocks/{}", i);
+    table.Row({std::to_string(i + 1), Figure(map, at + "/height_m", Quantity::kMetres),
+               Figure(map, at + "/width_m", Quantity::kMetres),
+               Figure(map, at + "/x_m", Quantity::kMetres),
+               Figure(map, at + "/y_m", Quantity::kMetres)});
+  }
+  if (table.empty()) return "";
+  return "<h3>Rocks</h3><p>What rises above the ground, as far as the map shows it: of a rock seen "
+         "from one side, that side.</p>" +
+         table.Text();
+}
+
+}  // namespace
+
+std::string ViewSection(const PartContent& content) {
+  const std::string pictures =
+      PictureOf(content, "view_oblique.png", "The map from aside, with the path driven") +
+      PictureOf(content, "view_side.png", "The map from the side, with the path driven");
+  const bool has_view = !ReportScripts().empty() &&
+                        (!content.points.levels.empty() || content.folder.trajectory.size() > 1);
+  if (!has_view && pictures.empty()) return "";
+  std::string body;
+  if (has_view) {
+    body =
+        "<div class=\"viewer\"><div class=\"bar\"></div><div class=\"stage\"></div></div>\n"
+        "<p class=\"keys\">Drag to turn, right drag or two fingers to move, wheel or pinch to zoom "
+        "to the pointer, double click to go to a point. Click a point for its height and a second "
+        "one for the distance; click a camera for its image. Keys: arrows, <kbd>a</kbd> "
+        "<kbd>d</kbd> turn, <kbd>+</kbd> <kbd>-</kbd>, <kbd>o</kbd> overview, <kbd>t</kbd> from "
+        "above, <kbd>p</kbd> on the path, <kbd>f</kbd> fly, <kbd>Esc</kbd>. The sigma of a "
+        "distance takes in the noise of both points, what the poses of the nearest cameras leave "
+        "unknown between them, and the scale.</p>\n"
+        "<p class=\"no-webgl\">This browser shows no WebGL: here are pictures instead.</p>\n";
+  }
+  return fmt::format(
+      "<section id=\"view3d\"{}>\n<h2>The map in 3-D</h2>\n{}"
+      "<div class=\"standin pictures\">{}</div></section>\n",
+      has_view ? "" : " class=\"without-webgl plain\"", body, pictures);
+}
+
+std::string MapSection(const PartContent& content) {
+  const FigureSource map = content.Map();
+  if (!HasFigure(map, "/points")) return "";
+  HtmlTable table({"What", "Value", "Means"});
+  const auto row = [&](const char* name, const char* key, Quantity quantity, const char* meaning) {
+    if (!HasFigure(map, key)) return;
+    table.Row({name, Figure(map, key, quantity), meaning});
+  };
+  row("Points", "/points", Quantity::kCount, "of which this page shows the next number");
+  row("Points shown", "/points_shown", Quantity::kCount, "evenly taken from all");
+  row("Finest voxel", "/finest_m", Quantity::kMetres,
+      "side of the cubes in which measurements are merged; coarser where less is known");
+  row("Sigma, median", "/median_sigma_m", Quantity::kMetres,
+      "of one measurement along its rays, without errors that frames share");
+  row("Overlap, median", "/median_observations", Quantity::kCount,
+      "depth pixels that were merged into a point");
+  row("Ground covered", "/area_m2", Quantity::kRatio, "m\u00b2, cells of 2 cm with points");
+  row("Density", "/points_per_m2", Quantity::kRatio, "points per m\u00b2 of that ground");
+  return HtmlSection(
+      "map", "What the map holds",
+      "Made of depth that several frames agree upon. Colour the 3-D view by sigma or "
+      "observations to see where it is good.",
+      table.Text() + RockTable(content));
+}
+
+}  // namespace rigmap

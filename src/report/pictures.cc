@@ -1,0 +1,50 @@
+#include "report/pictures.h"
+
+#include <fmt/format.h>
+#include <oneapi/tbb/parallel_for.h>
+
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+#include <vector>
+
+#include "report/base64.h"
+
+namespace rigmap {
+
+std::string PictureUrl(const std::filesystem::path& path, int side_px, int quality) {
+  std::error_code ignored;
+  if (!std::filesystem::exists(path, ignored)) return "";
+  try {
+    cv::Mat image = cv::imread(path.string(), cv::IMREAD_COLOR | cv::IMREAD_IGNORE_ORIENTATION);
+    if (image.empty()) return "";
+    const double factor = std::min(1.0, double(side_px) / std::max(image.cols, image.rows));
+    if (factor < 1.0) cv::resize(image, image, {}, factor, factor, cv::INTER_AREA);
+    std::vector<std::uint8_t> bytes;
+    cv::imencode(".jpg", image, bytes, {cv::IMWRITE_JPEG_QUALITY, quality});
+    return "data:image/jpeg;base64," + Base64(bytes);
+  } catch (const cv::Exception&) {
+    return "";
+  }
+}
+
+std::map<StampNs, std::string> Thumbnails(const std::map<StampNs, std::filesystem::path>& images) {
+  const std::size_t every = images.size() / (kMostThumbnails + 1) + 1;
+  const std::size_t count = (images.size() + every - 1) / every;
+  const int side_px = count <= 100 ? 480 : count <= 250 ? 320 : 240;
+  std::vector<std::pair<StampNs, std::filesystem::path>> taken;
+  std::size_t index = 0;
+  for (const auto& image : images) {
+    if (index++ % every == 0) taken.emplace_back(image);
+  }
+  std::vector<std::string> urls(taken.size());
+  oneapi::tbb::parallel_for(std::size_t{0}, taken.size(), [&](std::size_t i) {
+    urls[i] = PictureUrl(taken[i].second, side_px, 72);
+  });
+  std::map<StampNs, std::string> thumbnails;
+  for (std::size_t i = 0; i < taken.size(); ++i) {
+    if (!urls[i].empty()) thumbnails.emplace(taken[i].first, std::move(urls[i]));
+  }
+  return thumbnails;
+}
+
+}  // namespace rigmap

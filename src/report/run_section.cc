@@ -1,0 +1,86 @@
+// Time and memory, options, versions, how to repeat it, what lies where.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+
+#include "report/html.h"
+#include "report/part_content.h"
+
+namespace rigmap {
+namespace {
+
+std::string StagesTable(const FigureSource& summary) {
+  const Json& stages = At(summary.json, "/stages");
+  double longest = 1e-9;
+  for (const Json& stage : stages) longest = std::max(longest, stage.value("seconds", 0.0));
+  HtmlTable table({"Stage", "Time", "", "Memory", ""});
+  for (std::size_t i = 0; i < stages.size(); ++i) {
+    const std::string at = fmt::format("/stages/{}", i);
+    table.Row({fmt::format("<code>{}</code>", TextAt(stages[i], "/name")),
+               Figure(summary, at + "/seconds", Quantity::kSeconds),
+               fmt::format("<span class=\"bar-of\" style=\"width:{:.1f}%\"></span>",
+                           100.0 * stages[i].value("seconds", 0.0) / longest),
+               Figure(summary, at + "/peak_rss_mb", Quantity::kMegabytes),
+               At(stages[i], "/reused") == Json(true) ? "taken from an earlier run" : ""});
+  }
+  return table.Text();
+}
+
+std::string Options(const PartContent& content) {
+  if (content.changed_options.empty()) return "<p>All options have their defaults.</p>\n";
+  std::string list;
+  for (const std::string& option : content.changed_options) {
+    list += fmt::format("<li><code>{}</code></li>\n", Escaped(option));
+  }
+  return "<ul>" + list + "</ul>\n";
+}
+
+std::string Files(const std::filesystem::path& root) {
+  struct KnownFile {
+    const char* name;
+    const char* content;
+  };
+  constexpr std::array kFiles{
+      KnownFile{"summary.json", "every number of this page that is not from elsewhere"},
+      KnownFile{"evaluation.json", "errors against truth, fixes and survey"},
+      KnownFile{"trajectory.tum", "poses, for other programs"},
+      KnownFile{"trajectory.csv", "poses with sigmas, for spreadsheets"},
+      KnownFile{"dense.ply", "the map: open it in CloudCompare or MeshLab"},
+      KnownFile{"height.tif", "heights from above, for a GIS"},
+      KnownFile{"ortho.tif", "colours from above, for a GIS"},
+      KnownFile{"rig_refined.yaml", "the corrected rig"},
+      KnownFile{"config.yaml", "all options of this run"}};
+  HtmlTable table({"File beside this page", "Holds"});
+  for (const KnownFile& file : kFiles) {
+    if (!std::filesystem::exists(root / file.name)) continue;
+    table.Row({fmt::format("<a href=\"{0}\">{0}</a>", file.name), file.content});
+  }
+  return table.Text();
+}
+
+}  // namespace
+
+std::string RunSection(const PartContent& content) {
+  const FigureSource summary = content.folder.Summary();
+  const std::string command = TextAt(summary.json, "/command");
+  const std::string colmap = TextAt(summary.json, "/versions/colmap");
+  std::string body;
+  if (const std::string stages = StagesTable(summary); !stages.empty()) {
+    body += "<h3>Time and memory</h3>\n" + stages;
+  }
+  body += "<h3>Options that differ from the defaults</h3>\n" + Options(content);
+  body += fmt::format("<h3>Versions</h3>\n<p>rigmap {}{}</p>\n",
+                      TextAt(summary.json, "/versions/rigmap"),
+                      colmap.empty() ? "" : ", COLMAP " + colmap);
+  if (!command.empty()) {
+    body += fmt::format("<h3>How to repeat it</h3>\n<pre>{}</pre>\n", command);
+  }
+  if (const std::string files = Files(content.folder.root); !files.empty()) {
+    body += "<h3>Files</h3>\n" + files;
+  }
+  return HtmlSection("run", "How it was made",
+                     "Equal data, options and version give equal results.", body);
+}
+
+}  // namespace rigmap

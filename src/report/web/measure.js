@@ -1,0 +1,51 @@
+// How far apart two points of the map are, and how well that is known.
+import { sigmaOf } from './points.js';
+
+function nearestPose(poses, point) {
+  let best = 0, least = Infinity;
+  for (let i = 0; i < poses.x.length; ++i) {
+    const d = Math.hypot(poses.x[i] - point.x, poses.y[i] - point.y, poses.z[i] - point.z);
+    if (d < least) [best, least] = [i, d];
+  }
+  return { index: best, distance: least };
+}
+
+const square = (x) => x * x;
+
+// What the poses between two cameras leave unknown along a direction, m^2: sigmas in the file are
+// relative to the first pose and errors add up along the way, so that it is the sum of the changes,
+// and never more than both cameras' own.
+function variance(poses, a, b, direction) {
+  const at = (i) => square(poses.sx[i] * direction.x) + square(poses.sy[i] * direction.y) +
+    square(poses.sz[i] * direction.z);
+  let changes = 0;
+  for (let i = Math.min(a, b); i < Math.max(a, b); ++i) changes += Math.abs(at(i + 1) - at(i));
+  return Math.min(changes, at(a) + at(b));
+}
+
+// distance_m and sigma_m (one standard deviation; NaN where nothing is known of the points).
+// Both points' noise, the relative position and rotation of the cameras nearest to them, and the
+// scale of the whole.
+export function measure(one, other, poses, scaleSigma) {
+  const between = other.position.clone().sub(one.position);
+  const distance_m = between.length();
+  const direction = distance_m > 0 ? between.clone().divideScalar(distance_m) : between;
+  let sum = square(sigmaOf(one.sigma)) + square(sigmaOf(other.sigma));
+  if (poses) {
+    const a = nearestPose(poses, one.position), b = nearestPose(poses, other.position);
+    sum += variance(poses, a.index, b.index, direction);
+    const turned = Math.abs(square(poses.sr[a.index]) - square(poses.sr[b.index]));
+    sum += turned * square(Math.max(a.distance, b.distance));
+  }
+  sum += square((scaleSigma ?? 0) * distance_m);
+  return { distance_m, sigma_m: Math.sqrt(sum) };
+}
+
+// "2.413 m ± 4 mm": the sigma decides how many digits are worth showing.
+export function lengthText({ distance_m, sigma_m }) {
+  if (!Number.isFinite(sigma_m)) return `${distance_m.toFixed(3)} m`;
+  const sigma = sigma_m < 0.01 ? `${(1000 * sigma_m).toPrecision(2)} mm`
+    : sigma_m < 1 ? `${(100 * sigma_m).toPrecision(2)} cm` : `${sigma_m.toPrecision(2)} m`;
+  const digits = sigma_m < 0.001 ? 4 : sigma_m < 0.1 ? 3 : 2;
+  return `${distance_m.toFixed(digits)} m \u00b1 ${sigma}`;
+}

@@ -1,0 +1,393 @@
+// The 3-D view: the map with what was driven over it, to be turned, measured and flown through.
+import * as THREE from 'three';
+import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
+import { Cloud } from './cloud.js';
+import { lengthText, measure } from './measure.js';
+import { observationsOf, sigmaOf, unpackLevel } from './points.js';
+import * as marks from './path.js';
+import { makePanel } from './panel.js';
+
+const FIELD_OF_VIEW_DEG = 50;
+const PICK_REACH_PX = 6, CAMERA_REACH_PX = 14;
+const SLOW_FRAME_MS = 50;
+
+// All coordinates of the data less the map's origin.
+function shifted(data, origin) {
+  const poses = data.poses && {
+    ...data.poses,
+    x: data.poses.x.map((v) => v - origin[0]),
+    y: data.poses.y.map((v) => v - origin[1]),
+    z: data.poses.z.map((v) => v - origin[2]),
+  };
+  const shift = (p) => [p[0] - origin[0], p[1] - origin[1], p[2] - origin[2]];
+  return {
+    poses,
+    truth: (data.truth ?? []).map(shift),
+    rtk: (data.rtk ?? []).map(shift),
+    rocks: (data.rocks ?? []).map((r) => ({ ...r, x: r.x - origin[0], y: r.y - origin[1], top: r.top - origin[2] })),
+    low: shift(data.bounds.low),
+    high: shift(data.bounds.high),
+  };
+}
+
+class View {
+  constructor(place, data, renderer) {
+    this.data = data;
+    this.place = place;
+    this.renderer = renderer;
+    this.scene = new THREE.Scene();
+    this.camera = new THREE.PerspectiveCamera(FIELD_OF_VIEW_DEG, 1, 0.01, 1000);
+    this.camera.up.set(0, 0, 1);
+    this.world = shifted(data, data.points?.origin ?? [0, 0, 0]);
+    this.centre = new THREE.Vector3(...this.world.low).add(new THREE.Vector3(...this.world.high)).multiplyScalar(0.5);
+    this.extent = Math.max(new THREE.Vector3(...this.world.low).distanceTo(new THREE.Vector3(...this.world.high)), 0.2);
+    this.controls = new OrbitControls(this.camera, renderer.domElement);
+    this.controls.zoomToCursor = true;
+    this.controls.keyPanSpeed = 30;
+    this.controls.listenToKeyEvents(renderer.domElement);
+    this.controls.addEventListener('change', () => this.paint());
+    this.controls.addEventListener('start', () => this.stopFlight());
+    this.layers = {};
+    this.picked = [];
+    this.clickMeasures = true;
+    this.work = [];  // of each frame painted, what the code took, ms
+    if (data.points) {
+      this.cloud = new Cloud(data.points);
+      this.addLayer('map', 'Map', this.cloud.group);
+    }
+    this.addMarks();
+    this.measured = new THREE.Group();
+    this.scene.add(this.measured);
+    this.seeFrom('oblique');
+  }
+
+  addLayer(id, name, object, visible = true, colour = null) {
+    object.visible = visible;
+    this.layers[id] = { id, name, object, colour };
+    this.scene.add(object);
+  }
+
+  addMarks() {
+    const { poses, truth, rtk, rocks } = this.world;
+    if (poses) {
+      const path = this.data.pathLength > 0 ? this.data.pathLength / Math.max(poses.x.length - 1, 1) : this.extent / 20;
+      this.step = Math.max(path, this.extent / 300);
+      this.addLayer('path', 'Path', marks.pathLine(poses, 3), true, marks.COLOURS.path);
+      this.addLayer('cameras', 'Cameras', marks.frustums(poses, this.data.camera, Math.min(0.8 * this.step, this.extent / 25)), true, marks.COLOURS.path);
+      const rings = marks.sigmaRings(poses, this.extent);
+      if (rings.times > 0) {
+        this.addLayer('sigmas', `Sigmas \u00d7 ${rings.times.toLocaleString('en')}`, rings.group, false, marks.COLOURS.sigma);
+      }
+    }
+    if (truth.length) this.addLayer('truth', 'True path', marks.polyline(truth, 5, marks.COLOURS.truth), true, marks.COLOURS.truth);
+    if (rtk.length) this.addLayer('rtk', 'RTK fixes', marks.dots(rtk, 9, marks.COLOURS.rtk), true, marks.COLOURS.rtk);
+    if (rocks.length) this.addLayer('rocks', 'Rocks', marks.rockMarks(rocks, this.extent), true, marks.COLOURS.rock);
+  }
+
+  resize() {
+    const { clientWidth: width, clientHeight: height } = this.place;
+    if (width === 0 || height === 0) return;
+    this.renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
+    this.renderer.setSize(width, height, false);
+    this.camera.aspect = width / height;
+    this.camera.updateProjectionMatrix();
+    this.paint();
+  }
+
+  paint() {
+    if (this.waiting) return;
+    this.waiting = true;
+    requestAnimationFrame((now) => {
+      this.waiting = false;
+      this.draw(now);
+    });
+  }
+
+  draw(now) {
+    const before = performance.now();
+    const toTarget = this.camera.position.distanceTo(this.controls.target);
+    this.camera.near = Math.max(toTarget * 0.005, this.extent * 1e-5);
+    this.camera.far = toTarget + 4 * this.extent;
+    this.camera.updateProjectionMatrix();
+    if (this.cloud) {
+      const size = this.renderer.getDrawingBufferSize(new THREE.Vector2());
+      this.cloud.material.uniforms.pxPerUnit.value = size.y / (2 * Math.tan((FIELD_OF_VIEW_DEG * Math.PI) / 360));
+    }
+    this.renderer.render(this.scene, this.camera);
+    this.work.push(performance.now() - before);
+    if (this.work.length > 200) this.work.shift();
+    this.spare(now);
+  }
+
+  // While it moves on a machine that is too slow for all points, the coarse levels stand for them.
+  spare(now) {
+    if (!this.cloud) return;
+    const levels = this.cloud.levels.length;
+    const gap = now - (this.lastFrame ?? now);
+    this.lastFrame = now;
+    this.shown = Math.min(this.shown ?? levels, levels);
+    if (gap > SLOW_FRAME_MS && gap < 1000 && this.shown > 1) {
+      this.shown -= 1;
+      this.cloud.fit(this.shown);
+    }
+    clearTimeout(this.settle);
+    if (this.shown < levels) {
+      this.settle = setTimeout(() => {
+        this.shown = levels;
+        this.lastFrame = undefined;
+        this.cloud.fit(levels);
+        this.paint();
+      }, 250);
+    }
+  }
+
+  seeFrom(name) {
+    this.stopFlight();
+    const box = new THREE.Vector3(...this.world.high).sub(new THREE.Vector3(...this.world.low));
+    const narrow = Math.min(1, (this.place.clientWidth || 1) / (this.place.clientHeight || 1));
+    const away = 0.5 * Math.hypot(box.x, box.y) / Math.tan((FIELD_OF_VIEW_DEG * Math.PI) / 360) / narrow;
+    const { poses } = this.world;
+    this.controls.target.copy(this.centre);
+    if (name === 'top') {
+      this.camera.position.copy(this.centre).add(new THREE.Vector3(-0.001 * away, 0, 0.95 * away));
+    } else if (name === 'path' && poses) {
+      const start = marks.positionOf(poses, 0);
+      const ahead = new THREE.Vector3(0, 0, 1).applyQuaternion(marks.rotationOf(poses, 0));
+      ahead.z = 0;
+      ahead.normalize();
+      this.camera.position.copy(start).addScaledVector(ahead, -4 * this.step);
+      this.camera.position.z += 3 * this.step;
+      this.controls.target.copy(start).addScaledVector(ahead, 6 * this.step);
+      this.controls.target.z -= this.step;
+    } else {
+      this.camera.position.copy(this.centre).add(new THREE.Vector3(-0.62, -0.42, 0.5).multiplyScalar(away * 1.05));
+    }
+    this.controls.update();
+    this.paint();
+  }
+
+  // Along the path, from somewhat behind and above it, in 20 s at a walking pace or faster.
+  fly() {
+    const { poses } = this.world;
+    if (!poses || poses.x.length < 2) return;
+    if (this.flight) return this.stopFlight();
+    const points = poses.x.map((_, i) => marks.positionOf(poses, i));
+    const curve = new THREE.CatmullRomCurve3(points.filter((_, i) => i % Math.ceil(points.length / 200) === 0), false, 'centripetal');
+    const length = Math.max(curve.getLength(), 1e-3);
+    const seconds = Math.min(60, Math.max(12, length / 1.5));
+    const behind = Math.min(Math.max(2.5 * this.step, 0.08 * length), 8);
+    let first;
+    const go = (now) => {
+      first ??= now;
+      const share = (now - first) / 1000 / seconds;
+      if (share >= 1) return this.stopFlight();
+      const at = curve.getPointAt(share), ahead = curve.getTangentAt(share);
+      ahead.z = 0;
+      ahead.normalize();
+      this.camera.position.copy(at).addScaledVector(ahead, -behind);
+      this.camera.position.z += 0.55 * behind;
+      this.controls.target.copy(at).addScaledVector(ahead, 1.2 * behind);
+      this.controls.target.z -= 0.4 * behind;
+      this.camera.lookAt(this.controls.target);
+      this.paint();
+      this.flight = requestAnimationFrame(go);
+    };
+    this.flight = requestAnimationFrame(go);
+    this.panel.flying(true);
+  }
+
+  stopFlight() {
+    if (!this.flight) return;
+    cancelAnimationFrame(this.flight);
+    this.flight = null;
+    this.panel.flying(false);
+  }
+
+  zoomTo(point) {
+    const way = point.clone().sub(this.controls.target);
+    const from = this.camera.position.clone(), target = this.controls.target.clone();
+    const to = point.clone().add(from.clone().sub(target).multiplyScalar(0.35));
+    let first;
+    const go = (now) => {
+      first ??= now;
+      const t = Math.min(1, (now - first) / 350), s = t * t * (3 - 2 * t);
+      this.controls.target.copy(target).addScaledVector(way, s);
+      this.camera.position.lerpVectors(from, to, s);
+      this.controls.update();
+      this.paint();
+      if (t < 1) requestAnimationFrame(go);
+    };
+    requestAnimationFrame(go);
+  }
+
+  // Of a point of the world, where it is in the view, px.
+  project(point) {
+    this.camera.updateMatrixWorld();
+    const seen = new THREE.Vector3(...point).project(this.camera);
+    return [(seen.x + 1) / 2 * this.place.clientWidth, (1 - seen.y) / 2 * this.place.clientHeight];
+  }
+
+  cameraAt(x, y) {
+    const { poses } = this.world;
+    if (!poses || !this.layers.cameras.object.visible) return null;
+    let best = null, least = CAMERA_REACH_PX;
+    for (const i of marks.shownCameras(poses)) {
+      const [u, v] = this.project([poses.x[i], poses.y[i], poses.z[i]]);
+      const off = Math.hypot(u - x, v - y);
+      if (off < least) [best, least] = [i, off];
+    }
+    return best;
+  }
+
+  pointAt(x, y) {
+    if (!this.cloud || !this.cloud.group.visible) return null;
+    this.camera.updateMatrixWorld();
+    return this.cloud.pick(x, y, PICK_REACH_PX, this.camera, this.place.clientWidth, this.place.clientHeight);
+  }
+
+  click(x, y) {
+    const camera = this.cameraAt(x, y);
+    if (camera !== null) return this.panel.showCamera(camera);
+    const point = this.pointAt(x, y);
+    if (!point) return;
+    if (this.picked.length === 2) this.picked = [];
+    this.picked.push(point);
+    this.showPicked();
+  }
+
+  showPicked() {
+    this.measured.clear();
+    const points = this.picked.map(({ position }) => position.toArray());
+    if (points.length) this.measured.add(marks.dots(points, 10, 0xffffff));
+    if (points.length === 2) this.measured.add(marks.polyline(points, 2, 0xffffff));
+    const [one, other] = this.picked;
+    const height = one && one.position.z + (this.data.points?.origin[2] ?? 0);
+    let text = '';
+    if (other) {
+      const found = measure(one, other, this.world.poses, this.data.scaleSigma);
+      this.lastMeasured = found;
+      text = `Distance ${lengthText(found)}, height difference ${(other.position.z - one.position.z).toFixed(3)} m`;
+    } else if (one) {
+      const sigma = sigmaOf(one.sigma);
+      text = `Height ${height.toFixed(3)} m, ${Number.isFinite(sigma) ? `sigma ${(1000 * sigma).toPrecision(2)} mm, ` : ''}` +
+        `seen in ${observationsOf(one.observations)} depth pixels. Click a second point to measure.`;
+    }
+    this.panel.say(text);
+    this.paint();
+  }
+
+  clearPicked() {
+    this.picked = [];
+    this.showPicked();
+  }
+
+  listen() {
+    const canvas = this.renderer.domElement;
+    let down = null;
+    const at = (event) => {
+      const box = canvas.getBoundingClientRect();
+      return [event.clientX - box.left, event.clientY - box.top];
+    };
+    canvas.addEventListener('pointerdown', (event) => {
+      down = event.isPrimary && event.button === 0 ? { at: at(event) } : null;
+    });
+    canvas.addEventListener('pointerup', (event) => {
+      if (!down) return;
+      const [x, y] = at(event);
+      const moved = Math.hypot(x - down.at[0], y - down.at[1]);
+      if (moved < 5) this.click(x, y);
+      down = null;
+    });
+    canvas.addEventListener('dblclick', (event) => {
+      const point = this.pointAt(...at(event));
+      this.clearPicked();
+      if (point) this.zoomTo(point.position);
+    });
+    canvas.addEventListener('keydown', (event) => this.key(event));
+    new ResizeObserver(() => this.resize()).observe(this.place);
+  }
+
+  key(event) {
+    const does = {
+      t: () => this.seeFrom('top'), o: () => this.seeFrom('oblique'), p: () => this.seeFrom('path'),
+      f: () => this.fly(), Escape: () => { this.stopFlight(); this.clearPicked(); },
+      '+': () => this.dolly(0.8), '=': () => this.dolly(0.8), '-': () => this.dolly(1.25),
+      a: () => this.turn(0.1), d: () => this.turn(-0.1),
+    }[event.key];
+    if (!does || event.ctrlKey || event.metaKey || event.altKey) return;
+    does();
+    event.preventDefault();
+  }
+
+  dolly(factor) {
+    this.camera.position.sub(this.controls.target).multiplyScalar(factor).add(this.controls.target);
+    this.controls.update();
+    this.paint();
+  }
+
+  turn(angle) {
+    this.camera.position.sub(this.controls.target)
+      .applyAxisAngle(this.camera.up, angle).add(this.controls.target);
+    this.controls.update();
+    this.paint();
+  }
+
+  // Coarse to fine; between two levels the page may answer.
+  async load() {
+    for (const header of this.data.points?.levels ?? []) {
+      const level = await unpackLevel(header, this.data.points);
+      if (!level) continue;
+      this.cloud.add(level);
+      this.shown = this.cloud.levels.length;
+      this.lastFrame = undefined;
+      this.panel.loaded(this.cloud.count, this.data.points);
+      this.paint();
+      await new Promise((resolve) => setTimeout(resolve, 0));
+      this.shownAt ??= performance.now();
+    }
+    this.ready = true;
+  }
+}
+
+function makeRenderer() {
+  const canvas = document.createElement('canvas');
+  const context = canvas.getContext('webgl2', { antialias: true, powerPreference: 'high-performance' });
+  if (!context) return null;
+  return new THREE.WebGLRenderer({ canvas, context, antialias: true });
+}
+
+// The text around the points' scripts must have been read before the finest of them are asked for.
+function documentRead() {
+  if (document.readyState !== 'loading') return Promise.resolve();
+  return new Promise((resolve) => document.addEventListener('DOMContentLoaded', resolve, { once: true }));
+}
+
+export async function openView(data) {
+  const section = document.getElementById('view3d');
+  if (!section || !data.bounds) return;
+  let renderer = null;
+  try {
+    renderer = makeRenderer();
+  } catch {
+    renderer = null;
+  }
+  if (!renderer) {
+    section.classList.add('without-webgl');
+    return;
+  }
+  const place = section.querySelector('.stage');
+  section.classList.add('with-webgl');
+  renderer.setClearColor(0x12161b);
+  const canvas = renderer.domElement;
+  canvas.tabIndex = 0;
+  canvas.setAttribute('aria-label', '3-D view of the map; arrow keys move, a and d turn, plus and minus zoom');
+  place.append(canvas);
+  const view = new View(place, data, renderer);
+  view.panel = makePanel(section, view);
+  view.resize();
+  view.seeFrom('oblique');
+  view.listen();
+  window.rigmapView = view;
+  await documentRead();
+  await view.load();
+}

@@ -1,0 +1,95 @@
+#include "report/write_report.h"
+
+#include <gmock/gmock.h>
+
+#include <opencv2/imgcodecs.hpp>
+
+#include "core/error.h"
+#include "core/file.h"
+#include "report/bundle.h"
+#include "tests/report/sample_result.h"
+#include "tests/support/message_of.h"
+
+namespace rigmap {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+using testing::Not;
+
+std::string ReportOf(const fs::path& root) {
+  WriteReport({.folder = root, .changed_options = {"dense.method=<i>bm</i> (default sgm)"}});
+  return ReadTextFile(root / "report.html");
+}
+
+class WriteReportTest : public testing::Test {
+ protected:
+  TemporaryFolder folder_;
+};
+
+TEST_F(WriteReportTest, TellsTheVerdictFirst) {
+  const std::string report = ReportOf(WriteSampleResult(folder_));
+  EXPECT_LT(report.find("This result can be trusted"), report.find("<section"));
+  EXPECT_THAT(report, HasSubstr("etres good to 0.31\u00a0%"));
+  EXPECT_THAT(report, HasSubstr("registered"));
+}
+
+TEST_F(WriteReportTest, SaysSoOfEachStatus) {
+  for (const auto& [status, words] :
+       {std::pair{"untrusted", "Do not trust"}, std::pair{"failed", "The run failed"},
+        std::pair{"partial", "Not judged yet"}}) {
+    EXPECT_THAT(ReportOf(WriteSampleResult(folder_, status, SampleSummary(status))),
+                HasSubstr(words));
+  }
+}
+
+TEST_F(WriteReportTest, NamesAreHarmless) {
+  const std::string report =
+      ReportOf(WriteSampleResult(folder_, "<script>alert(2)<", SampleSummary("failed")));
+  EXPECT_THAT(report, Not(HasSubstr("<script>alert")));
+  EXPECT_THAT(report, Not(HasSubstr("<script>remark")));
+  EXPECT_THAT(report, Not(HasSubstr("<b>this")));
+  EXPECT_THAT(report, Not(HasSubstr("<i>bm")));
+  EXPECT_THAT(report, HasSubstr("&lt;script&gt;alert(2)&lt;"));
+}
+
+TEST_F(WriteReportTest, RefersToNothingOutside) {
+  std::string report = ReportOf(WriteSampleResult(folder_));
+  EXPECT_THAT(report, HasSubstr("default-src 'none'"));
+  const auto scripts = report.find(ReportScripts());
+  if (!ReportScripts().empty()) report.erase(scripts, ReportScripts().size());
+  EXPECT_THAT(report, Not(HasSubstr("http:")));
+  EXPECT_THAT(report, Not(HasSubstr("https:")));
+}
+
+TEST_F(WriteReportTest, DoesWithASummaryAlone) {
+  folder_.Write("bare/summary.json", SampleSummary("failed").dump());
+  EXPECT_THAT(ReportOf(folder_.Path() / "bare"), HasSubstr("The run failed"));
+}
+
+TEST_F(WriteReportTest, LeavesAnOlderReportWhereItCannotBeMade) {
+  folder_.Write("foreign/report.html", "old");
+  MessageOf<DataError>([&] { WriteReport({.folder = folder_.Path() / "foreign"}); });
+  EXPECT_EQ(ReadTextFile(folder_.Path() / "foreign" / "report.html"), "old");
+}
+
+TEST_F(WriteReportTest, OfThreeThousandFramesIsThinned) {
+  const auto root = WriteSampleResult(folder_);
+  folder_.Write("result/trajectory.csv", SampleTrajectory(3000, 0.02));
+  cv::Mat image(768, 1024, CV_8UC3);
+  cv::theRNG().state = 1;
+  cv::randu(image, 0, 256);  // compresses worse than any scene
+  cv::imwrite((folder_.Path() / "image.jpg").string(), image);
+  for (int i = 0; i < 3000; ++i) {
+    const auto link = root / "colmap/images/left" /
+                      fmt::format("{}.jpg", 1'000'000'000'000 + 1'000'000'000LL * i);
+    fs::create_directories(link.parent_path());
+    fs::create_symlink(folder_.Path() / "image.jpg", link);
+  }
+  const std::string report = ReportOf(root);
+  EXPECT_LT(report.size(), 40'000'000U);
+  EXPECT_THAT(report, HasSubstr("data-frame=\"2995\""));
+}
+
+}  // namespace
+}  // namespace rigmap

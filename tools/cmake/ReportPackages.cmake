@@ -1,0 +1,38 @@
+# get_report_packages(WEB WORK)
+# Sets RIGMAP_NODE, and REPORT_PACKAGES to a folder below WORK with the packages that
+# WEB/package-lock.json pins in its node_modules; to nothing where node or npm is missing or npm
+# cannot get them. They are got once, and anew when the lock changes.
+option(RIGMAP_PLAIN_REPORT "Write reports without scripts, as where there is no node" OFF)
+function(get_report_packages web work)
+  set(REPORT_PACKAGES "" PARENT_SCOPE)
+  find_program(RIGMAP_NODE NAMES node nodejs)
+  find_program(RIGMAP_NPM npm)
+  mark_as_advanced(RIGMAP_NODE RIGMAP_NPM)
+  if(RIGMAP_PLAIN_REPORT)
+    message(STATUS "Reports will be plain: RIGMAP_PLAIN_REPORT is set")
+    return()
+  elseif(NOT RIGMAP_NODE OR NOT RIGMAP_NPM)
+    message(STATUS "Reports will be plain (no 3-D view, no charts): node or npm is missing")
+    return()
+  endif()
+  set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${web}/package-lock.json)
+  file(SHA256 ${web}/package-lock.json wanted)
+  set(got "")
+  if(EXISTS ${work}/got)
+    file(READ ${work}/got got)
+  endif()
+  if(NOT got STREQUAL wanted)
+    file(MAKE_DIRECTORY ${work})
+    file(COPY ${web}/package.json ${web}/package-lock.json DESTINATION ${work})
+    execute_process(COMMAND ${RIGMAP_NPM} ci --ignore-scripts --no-audit --no-fund
+                    WORKING_DIRECTORY ${work} TIMEOUT 300
+                    RESULT_VARIABLE failed OUTPUT_QUIET ERROR_QUIET)
+    if(failed)
+      message(STATUS "Reports will be plain (no 3-D view, no charts): npm cannot get the packages "
+                     "of src/report/web/package-lock.json")
+      return()
+    endif()
+    file(WRITE ${work}/got ${wanted})
+  endif()
+  set(REPORT_PACKAGES ${work} PARENT_SCOPE)
+endfunction()

@@ -1,0 +1,111 @@
+#include "workflows/stages/reference_output.h"
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "evaluation/map_over_truth.h"
+#include "georeference/local_frame.h"
+#include "georeference/utm.h"
+
+namespace rigmap {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+double ToTenthOfMillimetre(double m) { return std::round(1e4 * m) / 1e4; }
+
+Json Row(StampNs stamp_ns, const Eigen::Vector3d& x) {
+  return {stamp_ns, ToTenthOfMillimetre(x.x()), ToTenthOfMillimetre(x.y()),
+          ToTenthOfMillimetre(x.z())};
+}
+
+std::vector<TumPose> TumPosesOf(const Trajectory& trajectory) {
+  std::vector<TumPose> poses;
+  for (const TimedPose& pose : trajectory) poses.push_back({pose.stamp_ns, pose.world_from_left});
+  return poses;
+}
+
+void PutTruth(const SurveyedResult& result, const Json& metrics, const EvaluationOptions& options,
+              Json& reference) {
+  if (result.truth.tum_path.empty() || result.trajectory.empty()) return;
+  const std::vector<TumPose> estimate = TumPosesOf(result.trajectory);
+  const std::vector<TumPose> truth = ReadTum(result.truth.tum_path);
+  const auto truth_from_world = AlignWithTruth(estimate, truth, options);
+  if (!truth_from_world) return;
+  const Rigid3 world_from_truth = truth_from_world->Inverse();
+  const auto margin_ns = static_cast<StampNs>(1e9 * options.max_dt_s);
+  for (const TumPose& pose : truth) {
+    if (pose.stamp_ns < estimate.front().stamp_ns - margin_ns) continue;
+    if (pose.stamp_ns > estimate.back().stamp_ns + margin_ns) continue;
+    const Eigen::Vector3d x = world_from_truth * pose.world_from_body.translation;
+    reference["truth"].push_back(Row(pose.stamp_ns, x));
+  }
+  if (!metrics.contains("rocks")) return;
+  // Rocks are known from above; a tilt between the worlds moves them by millimetres.
+  const double height_m = truth.front().world_from_body.translation.z();
+  for (const Json& rock : metrics["rocks"]["each"]) {
+    const Eigen::Vector3d x = world_from_truth * Eigen::Vector3d(rock["x"], rock["y"], height_m);
+    reference["rocks"].push_back({{"size", rock["size"]},
+                                  {"x", ToTenthOfMillimetre(x.x())},
+                                  {"y", ToTenthOfMillimetre(x.y())}});
+  }
+}
+
+const TimedPose& NearestInTime(const Trajectory& trajectory, StampNs stamp_ns) {
+  return *std::ranges::min_element(
+      trajectory, {}, [&](const TimedPose& pose) { return std::abs(pose.stamp_ns - stamp_ns); });
+}
+
+void PutFixes(const SurveyedResult& result, const RtkAlignment& alignment, Json& reference) {
+  const LocalFrame plane(alignment.plane_origin);
+  const Rigid2 world_from_plane = alignment.plane_from_world.Inverse();
+  const auto offset_ns = static_cast<StampNs>(1e9 * alignment.clock_offset_s);
+  for (const GnssFix& fix : result.truth.fixes) {
+    const StampNs stamp_ns = fix.stamp_ns - offset_ns;
+    if (fix.status != kRtkFixed || stamp_ns < result.trajectory.front().stamp_ns ||
+        stamp_ns > result.trajectory.back().stamp_ns) {
+      continue;
+    }
+    const Eigen::Vector3d enu = plane.ToEnu({fix.latitude_deg, fix.longitude_deg, fix.altitude_m});
+    const TimedPose& pose = NearestInTime(result.trajectory, stamp_ns);
+    const Eigen::Vector3d lever =
+        pose.world_from_left.rotation * result.rig.antenna_in_left.value();
+    const Eigen::Vector2d x = world_from_plane * enu.head<2>() - lever.head<2>();
+    reference["rtk"].push_back(Row(stamp_ns, {x.x(), x.y(), pose.world_from_left.translation.z()}));
+  }
+}
+
+// Of the grid that the survey names: evaluation.json has refused any other.
+void PutSurveyedRocks(const Json& metrics, const RtkAlignment& alignment, Json& reference) {
+  if (!metrics.contains("surveyed_rocks") || reference.contains("rocks")) return;
+  const LocalFrame plane(alignment.plane_origin);
+  const Rigid2 world_from_plane = alignment.plane_from_world.Inverse();
+  for (const Json& rock : metrics["surveyed_rocks"]["each"]) {
+    const Eigen::Vector3d enu = plane.ToEnu(
+        FromUtm31(rock["easting_m"], rock["northing_m"], alignment.plane_origin.altitude_m));
+    const Eigen::Vector2d x = world_from_plane * enu.head<2>();
+    reference["rocks"].push_back({{"size", rock["size"]},
+                                  {"x", ToTenthOfMillimetre(x.x())},
+                                  {"y", ToTenthOfMillimetre(x.y())}});
+  }
+}
+
+}  // namespace
+
+Json DescribeReference(const SurveyedResult& result, const Json& metrics,
+                       const EvaluationOptions& evaluation, const RtkAlignmentOptions& options) {
+  Json reference;
+  PutTruth(result, metrics, evaluation, reference);
+  const auto& antenna_in_left = result.rig.antenna_in_left;
+  if (!result.truth.fixes.empty() && antenna_in_left) {
+    const RtkFit fit = AlignToRtk(result.truth.fixes, result.trajectory, *antenna_in_left, options);
+    if (fit.alignment) {
+      PutFixes(result, *fit.alignment, reference);
+      PutSurveyedRocks(metrics, *fit.alignment, reference);
+    }
+  }
+  return reference;
+}
+
+}  // namespace rigmap
