@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "evaluation/map_over_truth.h"
+#include "evaluation/prism_metrics.h"
 #include "georeference/local_frame.h"
 #include "georeference/utm.h"
 
@@ -28,9 +29,10 @@ std::vector<TumPose> TumPosesOf(const Trajectory& trajectory) {
 
 void PutTruth(const SurveyedResult& result, const Json& metrics, const EvaluationOptions& options,
               Json& reference) {
-  if (result.truth.tum_path.empty() || result.trajectory.empty()) return;
+  if (result.truth.path.empty() || IsPrismFile(result.truth.path) || result.trajectory.empty())
+    return;
   const std::vector<TumPose> estimate = TumPosesOf(result.trajectory);
-  const std::vector<TumPose> truth = ReadTum(result.truth.tum_path);
+  const std::vector<TumPose> truth = ReadTruth(result.truth.path);
   const auto truth_from_world = AlignWithTruth(estimate, truth, options);
   if (!truth_from_world) return;
   const Rigid3 world_from_truth = truth_from_world->Inverse();
