@@ -43,8 +43,8 @@ void RequireInputElsewhere(const std::filesystem::path& root, const Dataset& dat
 void RequireOwnOutput(const std::filesystem::path& root, const FolderMark& mark, bool force);
 
 // Marks the locked folder, after RequireOwnOutput; with `force` everything that rigmap wrote is
-// removed first. An earlier run's summary.json, config.yaml and report.html are removed: while they are missing,
-// a run is at work or was killed.
+// removed first. An earlier run's summary.json, config.yaml and report.html are removed: while they
+// are missing, a run is at work or was killed.
 void ClaimOutput(const std::filesystem::path& root, const FolderMark& mark, bool force);
 
 }  // namespace rigmap
