@@ -14,6 +14,25 @@ function lines(vertices, colour, Kind = THREE.LineSegments) {
   return new Kind(geometry, new THREE.LineBasicMaterial({ color: colour }));
 }
 
+// All coordinates of the data less the map's origin.
+export function shifted(data, origin) {
+  const poses = data.poses && {
+    ...data.poses,
+    x: data.poses.x.map((v) => v - origin[0]),
+    y: data.poses.y.map((v) => v - origin[1]),
+    z: data.poses.z.map((v) => v - origin[2]),
+  };
+  const shift = (p) => [p[0] - origin[0], p[1] - origin[1], p[2] - origin[2]];
+  return {
+    poses,
+    truth: (data.truth ?? []).map(shift),
+    rtk: (data.rtk ?? []).map(shift),
+    rocks: (data.rocks ?? []).map((r) => ({ ...r, x: r.x - origin[0], y: r.y - origin[1], top: r.top - origin[2] })),
+    low: shift(data.bounds.low),
+    high: shift(data.bounds.high),
+  };
+}
+
 export const positionOf = (poses, i) => new THREE.Vector3(poses.x[i], poses.y[i], poses.z[i]);
 export const rotationOf = (poses, i) => new THREE.Quaternion(...poses.q.slice(4 * i, 4 * i + 4));
 

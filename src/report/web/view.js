@@ -4,31 +4,12 @@ import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
 import { Cloud } from './cloud.js';
 import { lengthText, measure } from './measure.js';
 import { observationsOf, sigmaOf, unpackLevel } from './points.js';
+import { FIELD_OF_VIEW_DEG, moves } from './moves.js';
 import * as marks from './path.js';
 import { makePanel } from './panel.js';
 
-const FIELD_OF_VIEW_DEG = 50;
 const PICK_REACH_PX = 6, CAMERA_REACH_PX = 14;
 const SLOW_FRAME_MS = 50;
-
-// All coordinates of the data less the map's origin.
-function shifted(data, origin) {
-  const poses = data.poses && {
-    ...data.poses,
-    x: data.poses.x.map((v) => v - origin[0]),
-    y: data.poses.y.map((v) => v - origin[1]),
-    z: data.poses.z.map((v) => v - origin[2]),
-  };
-  const shift = (p) => [p[0] - origin[0], p[1] - origin[1], p[2] - origin[2]];
-  return {
-    poses,
-    truth: (data.truth ?? []).map(shift),
-    rtk: (data.rtk ?? []).map(shift),
-    rocks: (data.rocks ?? []).map((r) => ({ ...r, x: r.x - origin[0], y: r.y - origin[1], top: r.top - origin[2] })),
-    low: shift(data.bounds.low),
-    high: shift(data.bounds.high),
-  };
-}
 
 class View {
   constructor(place, data, renderer) {
@@ -38,7 +19,7 @@ class View {
     this.scene = new THREE.Scene();
     this.camera = new THREE.PerspectiveCamera(FIELD_OF_VIEW_DEG, 1, 0.01, 1000);
     this.camera.up.set(0, 0, 1);
-    this.world = shifted(data, data.points?.origin ?? [0, 0, 0]);
+    this.world = marks.shifted(data, data.points?.origin ?? [0, 0, 0]);
     this.centre = new THREE.Vector3(...this.world.low).add(new THREE.Vector3(...this.world.high)).multiplyScalar(0.5);
     this.extent = Math.max(new THREE.Vector3(...this.world.low).distanceTo(new THREE.Vector3(...this.world.high)), 0.2);
     this.controls = new OrbitControls(this.camera, renderer.domElement);
@@ -141,85 +122,6 @@ class View {
     }
   }
 
-  seeFrom(name) {
-    this.stopFlight();
-    const box = new THREE.Vector3(...this.world.high).sub(new THREE.Vector3(...this.world.low));
-    const narrow = Math.min(1, (this.place.clientWidth || 1) / (this.place.clientHeight || 1));
-    const away = 0.5 * Math.hypot(box.x, box.y) / Math.tan((FIELD_OF_VIEW_DEG * Math.PI) / 360) / narrow;
-    const { poses } = this.world;
-    this.controls.target.copy(this.centre);
-    if (name === 'top') {
-      this.camera.position.copy(this.centre).add(new THREE.Vector3(-0.001 * away, 0, 0.95 * away));
-    } else if (name === 'path' && poses) {
-      const start = marks.positionOf(poses, 0);
-      const ahead = new THREE.Vector3(0, 0, 1).applyQuaternion(marks.rotationOf(poses, 0));
-      ahead.z = 0;
-      ahead.normalize();
-      this.camera.position.copy(start).addScaledVector(ahead, -4 * this.step);
-      this.camera.position.z += 3 * this.step;
-      this.controls.target.copy(start).addScaledVector(ahead, 6 * this.step);
-      this.controls.target.z -= this.step;
-    } else {
-      this.camera.position.copy(this.centre).add(new THREE.Vector3(-0.62, -0.42, 0.5).multiplyScalar(away * 1.05));
-    }
-    this.controls.update();
-    this.paint();
-  }
-
-  // Along the path, from somewhat behind and above it, in 20 s at a walking pace or faster.
-  fly() {
-    const { poses } = this.world;
-    if (!poses || poses.x.length < 2) return;
-    if (this.flight) return this.stopFlight();
-    const points = poses.x.map((_, i) => marks.positionOf(poses, i));
-    const curve = new THREE.CatmullRomCurve3(points.filter((_, i) => i % Math.ceil(points.length / 200) === 0), false, 'centripetal');
-    const length = Math.max(curve.getLength(), 1e-3);
-    const seconds = Math.min(60, Math.max(12, length / 1.5));
-    const behind = Math.min(Math.max(2.5 * this.step, 0.08 * length), 8);
-    let first;
-    const go = (now) => {
-      first ??= now;
-      const share = (now - first) / 1000 / seconds;
-      if (share >= 1) return this.stopFlight();
-      const at = curve.getPointAt(share), ahead = curve.getTangentAt(share);
-      ahead.z = 0;
-      ahead.normalize();
-      this.camera.position.copy(at).addScaledVector(ahead, -behind);
-      this.camera.position.z += 0.55 * behind;
-      this.controls.target.copy(at).addScaledVector(ahead, 1.2 * behind);
-      this.controls.target.z -= 0.4 * behind;
-      this.camera.lookAt(this.controls.target);
-      this.paint();
-      this.flight = requestAnimationFrame(go);
-    };
-    this.flight = requestAnimationFrame(go);
-    this.panel.flying(true);
-  }
-
-  stopFlight() {
-    if (!this.flight) return;
-    cancelAnimationFrame(this.flight);
-    this.flight = null;
-    this.panel.flying(false);
-  }
-
-  zoomTo(point) {
-    const way = point.clone().sub(this.controls.target);
-    const from = this.camera.position.clone(), target = this.controls.target.clone();
-    const to = point.clone().add(from.clone().sub(target).multiplyScalar(0.35));
-    let first;
-    const go = (now) => {
-      first ??= now;
-      const t = Math.min(1, (now - first) / 350), s = t * t * (3 - 2 * t);
-      this.controls.target.copy(target).addScaledVector(way, s);
-      this.camera.position.lerpVectors(from, to, s);
-      this.controls.update();
-      this.paint();
-      if (t < 1) requestAnimationFrame(go);
-    };
-    requestAnimationFrame(go);
-  }
-
   // Of a point of the world, where it is in the view, px.
   project(point) {
     this.camera.updateMatrixWorld();
@@ -319,19 +221,6 @@ class View {
     event.preventDefault();
   }
 
-  dolly(factor) {
-    this.camera.position.sub(this.controls.target).multiplyScalar(factor).add(this.controls.target);
-    this.controls.update();
-    this.paint();
-  }
-
-  turn(angle) {
-    this.camera.position.sub(this.controls.target)
-      .applyAxisAngle(this.camera.up, angle).add(this.controls.target);
-    this.controls.update();
-    this.paint();
-  }
-
   // Coarse to fine; between two levels the page may answer.
   async load() {
     for (const header of this.data.points?.levels ?? []) {
@@ -348,6 +237,8 @@ class View {
     this.ready = true;
   }
 }
+
+Object.assign(View.prototype, moves);
 
 function makeRenderer() {
   const canvas = document.createElement('canvas');
