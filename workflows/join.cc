@@ -40,9 +40,14 @@ PartResult Run(const JoinRequest& request, const PartRequest& whole, UnionOfPart
   if (!truth.empty()) ReadTruth(truth);
   united.parts.missing.insert(united.parts.missing.begin(), request.missing.begin(),
                               request.missing.end());
+  std::optional<SplitFixes> tie_to;
+  if (request.use_rtk) {
+    tie_to = SplitByTurns(united.dataset.fixes);
+    united.dataset.fixes = tie_to->judging;
+  }
   Job job(whole.threads, whole.quiet);
   const auto recipe = [&](const Dataset& dataset, const DatasetContent& content) {
-    return JoinRecipe(dataset, content, united.parts, united.depths, whole.options);
+    return JoinRecipe(dataset, content, united.parts, united.depths, tie_to, whole.options);
   };
   return job.Run([&] { return RunInFolder({whole, "join", recipe, mark}, united.dataset, job); });
 }

@@ -12,6 +12,7 @@ namespace rigmap {
 struct JoinRequest {
   std::vector<std::filesystem::path> outs;  // folders that rigmap part has left, in any order
   PartRequest whole;                        // its dataset and technique are not used
+  bool use_rtk = false;  // every other turn of fixes ties the poses, the rest judges them
   // Of parts that should be among them, a sentence each: the result is not trusted then.
   std::vector<std::string> missing = {};
 };

@@ -39,13 +39,19 @@ std::string KeyOf(const KnownDepths& depths) {
   return HashText(text);
 }
 
+std::string KeyOf(const SplitFixes& fixes) {
+  return HashText(DescribeTruth({"", fixes.tying, {}}) + "judged by" +
+                  DescribeTruth({"", fixes.judging, {}}));
+}
+
 }  // namespace
 
 StageGraph JoinRecipe(const Dataset& data, const DatasetContent& data_content,
                       const JoinedParts& joined_parts, const KnownDepths& part_depths,
-                      const PartOptions& o) {
+                      const std::optional<SplitFixes>& tie_to, const PartOptions& o) {
   StageGraph g;
-  const auto [dataset, content, truth, fixes, colmap] = AddPartInputs(g, data, data_content, o.colmap);
+  const auto [dataset, content, truth, fixes, colmap] =
+      AddPartInputs(g, data, data_content, o.colmap);
   const auto open_parts = [joined_parts] { return std::pair(KeyOf(joined_parts), joined_parts); };
   const auto open_depths = [part_depths] { return std::pair(KeyOf(part_depths), part_depths); };
   const auto parts = g.AddSource<JoinedParts>("parts", open_parts, ReportParts);
@@ -59,16 +65,25 @@ StageGraph JoinRecipe(const Dataset& data, const DatasetContent& data_content,
   const auto graph = g.AddView(NoGraph, odometry);
   const auto aligned = g.AddView(NoMapping, odometry);
   const InTurn starts{StartingFrom::kOdometry, StartingFrom::kOdometry};
+  AdjustmentStage adjustment = RigAdjustment();
+  if (tie_to) PublishCalibrationOnly(adjustment);
   const auto adjusted =
-      g.AddStage(RigAdjustment(), Reading(starts, o.adjustment, o.odometry, o.gates.adjustment),
-                 dataset, content, features, odometry, matches, graph, aligned);
+      g.AddStage(adjustment, Reading(starts, o.adjustment, o.odometry, o.gates.adjustment), dataset,
+                 content, features, odometry, matches, graph, aligned);
   const auto gates =
       g.AddCheck(AdjustedGates(),
                  Reading(o.gates.mapping, o.gates.poses, o.gates.adjustment, o.gates.calibration),
                  dataset, found, aligned, adjusted);
   g.AddCheck(JoinGates(), Reading(), parts, adjusted);
-  const auto posed = g.AddView(PosedByAdjustment, dataset, adjusted);
-  g.AddStage(PartPoseGraph(), Reading(), matches, adjusted);
+  auto final_part = adjusted;
+  if (tie_to) {
+    const auto open_split = [split = *tie_to] { return std::pair(KeyOf(split), split); };
+    const auto split = g.AddSource<SplitFixes>("split_fixes", open_split);
+    final_part = g.AddView(
+        PartOf, g.AddStage(TieToFixes(), Reading(o.georeference), dataset, adjusted, parts, split));
+  }
+  g.AddStage(PartPoseGraph(), Reading(), matches, final_part);
+  const auto posed = g.AddView(PosedByAdjustment, dataset, final_part);
   const auto steps = g.AddStage(JoinedSteps(), Reading(), odometry, adjusted, parts);
 
   const SurfaceInputs in{dataset, content, truth, fixes, found, posed, gates, steps};
@@ -80,6 +95,8 @@ StageGraph JoinRecipe(const Dataset& data, const DatasetContent& data_content,
   return g;
 }
 
-std::vector<std::string> JoinStageNames() { return JoinRecipe({}, {}, {}, {}, {}).StageNames(); }
+std::vector<std::string> JoinStageNames() {
+  return JoinRecipe({}, {}, {}, {}, SplitFixes(), {}).StageNames();
+}
 
 }  // namespace rigmap

@@ -70,6 +70,12 @@ void AddWhere(CLI::App* command, PartArguments& a) {
       "fusion and meshing (dense.depth_maps)");
 }
 
+void AddUseRtk(CLI::App* command, bool& use_rtk) {
+  command->add_flag("--use-rtk", use_rtk,
+                    "Tie the poses to satellite fixes: those of every other ten seconds; the "
+                    "others judge");
+}
+
 // How a traverse is cut into jobs.
 void AddCuts(CLI::App* command, RunArguments& a) {
   command->add_option("--split", a.split, "Cut the traverse into so many jobs");
@@ -161,6 +167,7 @@ JoinRequest MakeJoinRequest(const JoinArguments& a, std::string command) {
   const fs::path options = request.outs.front() / "config.yaml";
   if (whole.config.empty() && fs::exists(options)) whole.config = options.string();
   request.whole = MakeRequestWithoutStages(whole, std::move(command));
+  request.use_rtk = a.use_rtk;
   const auto stages = JoinStageNames();
   RequireStages(whole, stages);
   return request;
@@ -171,6 +178,7 @@ CLI::App* AddJoin(CLI::App& app, JoinArguments& a) {
       app.add_subcommand("join", "Put the parts of one drive together: one trajectory, one map");
   join->add_option("outs", a.outs, "Folders that rigmap part has left")->required();
   AddHow(join, a.whole);
+  AddUseRtk(join, a.use_rtk);
   AddWhere(join, a.whole);
   join->footer(PartOptionsHelp);
   return join;
@@ -181,6 +189,7 @@ CLI::App* AddRun(CLI::App& app, RunArguments& a) {
       "run", "Reconstruct a whole traverse: its parts, and the parts joined into one world");
   AddPartInputs(run, a.part)->required();
   AddCuts(run, a);
+  AddUseRtk(run, a.use_rtk);
   AddWhere(run, a.part);
   run->footer(PartOptionsHelp);
   return run;
@@ -199,6 +208,7 @@ CLI::App* AddPlan(CLI::App& app, RunArguments& a) {
 RunRequest MakeRunRequest(const RunArguments& a, std::string command) {
   RunRequest request;
   request.part = MakeRequestWithoutStages(a.part, std::move(command));
+  request.use_rtk = a.use_rtk;
   request.plan = {request.part.dataset,  a.split, a.max_frames, a.overlap, request.part.threads,
                   request.part.memory_mb};
   for (const auto& [option, count] :

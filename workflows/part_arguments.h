@@ -44,7 +44,8 @@ struct RunArguments {
   PartArguments part;
   std::optional<int> split, max_frames;
   int overlap = PlanRequest().overlap;
-  bool sbatch = false;  // of `plan`
+  bool sbatch = false;   // of `plan`
+  bool use_rtk = false;  // of `run`
 };
 
 // The subcommands `run` and `plan`.
@@ -58,6 +59,7 @@ std::string PrintPlan(const RunArguments& arguments);
 struct JoinArguments {
   PartArguments whole;
   std::vector<std::string> outs;
+  bool use_rtk = false;
 };
 
 // The subcommand `join`.

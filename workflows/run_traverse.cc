@@ -62,7 +62,7 @@ PartResult RunTraverse(const RunRequest& request) {
   WriteFileAtomically(out / "plan.json", [&](std::ostream& stream) {
     stream << ToJson(plan, request.plan).dump(1) << "\n";
   });
-  JoinRequest join{{}, request.part, {}};
+  JoinRequest join{{}, request.part, request.use_rtk};
   for (std::size_t i = 0; i < plan.jobs.size(); ++i) {
     const PartJob& job = plan.jobs[i];
     if (!request.part.quiet) {

@@ -11,7 +11,8 @@ namespace rigmap {
 
 struct RunRequest {
   PlanRequest plan;
-  PartRequest part;  // how each part is done; its dataset, out and truth are those of the whole
+  bool use_rtk = false;  // JoinRequest::use_rtk
+  PartRequest part;      // how each part is done; its dataset, out and truth are those of the whole
 };
 
 // Leaves each part in part.out/parts/<name>, the plan in part.out/plan.json and the whole, as

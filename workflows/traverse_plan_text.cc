@@ -121,7 +121,8 @@ std::string WriteSbatch(const TraversePlan& plan, const PlanRequest& request,
   text += " )\ncase $SLURM_ARRAY_TASK_ID in\n";
   for (std::size_t i = 0; i < plan.jobs.size(); ++i) {
     text += fmt::format("{}) arguments=(", i);
-    for (const std::string& word : ArgumentsOf(plan.jobs[i])) text += fmt::format(" {}", Quoted(word));
+    for (const std::string& word : ArgumentsOf(plan.jobs[i]))
+      text += fmt::format(" {}", Quoted(word));
     text += " ) ;;\n";
   }
   text += "esac\nname=${names[$SLURM_ARRAY_TASK_ID]}\nmkdir -p \"$OUT/parts\"\n";

@@ -17,6 +17,8 @@
 namespace rigmap {
 namespace {
 
+const std::vector<std::string> kRigOutputs{"calibration.json", "rig_refined.yaml"};
+
 struct Adjuster {
   const Dataset& dataset;
   const FeatureStore& features;
@@ -95,14 +97,23 @@ AdjustedPart MakeAdjusted(const StageContext&, const Dataset& dataset, const Dat
       ways);
 }
 
-void PublishAdjusted(Publication& publication, const StageContext&, const AdjustedPart& part,
-                     const Dataset& dataset, const DatasetContent& content, const FeatureStore&,
-                     const Odometry&, const Correspondences&, const KeyframeGraph&,
-                     const AlignedKeyframes&) {
+void PublishRigOf(Publication& publication, const StageContext&, const AdjustedPart& part,
+                  const Dataset& dataset, const DatasetContent& content, const FeatureStore&,
+                  const Odometry&, const Correspondences&, const KeyframeGraph&,
+                  const AlignedKeyframes&) {
   const Adjustment& adjustment = part.adjustment;
-  PublishPosesAndPoints(part, dataset, publication);
   PublishCalibration(dataset, content, adjustment, publication);
   if (adjustment.IsRigCorrected()) PublishRig(WithFilesOf(dataset, adjustment.rig), publication);
+}
+
+void PublishAdjusted(Publication& publication, const StageContext& context,
+                     const AdjustedPart& part, const Dataset& dataset,
+                     const DatasetContent& content, const FeatureStore& features,
+                     const Odometry& odometry, const Correspondences& matches,
+                     const KeyframeGraph& graph, const AlignedKeyframes& aligned) {
+  PublishPosesAndPoints(part, dataset, publication);
+  PublishRigOf(publication, context, part, dataset, content, features, odometry, matches, graph,
+               aligned);
 }
 
 // How the rig was corrected: the turn of the right eye about its own axes, the focal lengths'
@@ -135,7 +146,7 @@ Report ReportAdjusted(const AdjustedPart& part, const Dataset& dataset, const Da
 
 AdjustmentStage RigAdjustment() {
   std::vector<std::string> publishes = PosesAndPointsOutputs();
-  publishes.insert(publishes.end(), {"calibration.json", "rig_refined.yaml"});
+  publishes.insert(publishes.end(), kRigOutputs.begin(), kRigOutputs.end());
   return {.name = "adjustment",
           .about =
               "one pose per frame, the rig held and, where the images contradict it, corrected "
@@ -145,6 +156,11 @@ AdjustmentStage RigAdjustment() {
           .publishes = std::move(publishes),
           .publish = PublishAdjusted,
           .report = ReportAdjusted};
+}
+
+void PublishCalibrationOnly(AdjustmentStage& stage) {
+  stage.publishes = kRigOutputs;
+  stage.publish = PublishRigOf;
 }
 
 }  // namespace rigmap

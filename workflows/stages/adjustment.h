@@ -33,5 +33,7 @@ using AdjustmentStage =
 // adjustment starts from that, since steps that only the odometry knows were measured with the
 // wrong rig. Else, where a gate on the adjustment fails, it begins again from the other poses.
 AdjustmentStage RigAdjustment();
+// For a recipe in which a later stage publishes poses and points.
+void PublishCalibrationOnly(AdjustmentStage& stage);
 
 }  // namespace rigmap

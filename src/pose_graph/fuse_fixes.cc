@@ -1,0 +1,332 @@
+#include "pose_graph/fuse_fixes.h"
+
+#include <ceres/ceres.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "core/statistics.h"
+#include "geometry/motion_block.h"
+
+namespace rigmap {
+namespace {
+
+constexpr double kCauchySigmas = 2.0, kOutlierSigmas = 4.0;
+constexpr std::size_t kMinFixes = 4;
+constexpr double kMinBelieved = 2.0 / 3.0;
+// Steps are never known better than this, however sure the poses are of themselves.
+constexpr double kMinStepSigma_m = 1e-4, kMinStepSigma_rad = 1e-5;
+// Of the world's up axis, which accelerometers or the ground told.
+constexpr double kUpSigma_rad = 0.02;
+
+double SecondsSinceFirst(const Trajectory& poses, std::size_t i) {
+  return 1e-9 * static_cast<double>(poses[i].stamp_ns - poses.front().stamp_ns);
+}
+
+// Of each step, one sigma per axis.
+struct StepNoise {
+  double metres = kMinStepSigma_m, radians = kMinStepSigma_rad;
+};
+
+// A random walk that grows to the sigmas of the least known pose.
+StepNoise NoiseOfSteps(const Trajectory& poses, double scale_sigma) {
+  std::size_t worst = 0;
+  double length_m = 0.0, length_of_worst_m = 0.0;
+  for (std::size_t i = 1; i < poses.size(); ++i) {
+    length_m +=
+        (poses[i].world_from_left.translation - poses[i - 1].world_from_left.translation).norm();
+    if (poses[i].position_covariance.trace() <= poses[worst].position_covariance.trace()) continue;
+    worst = i;
+    length_of_worst_m = length_m;
+  }
+  StepNoise noise;
+  if (worst == 0) return noise;
+  const auto steps = static_cast<double>(worst);
+  const Vector6d& sigmas = poses[worst].sigmas;
+  noise.radians = std::max(noise.radians, sigmas.tail<3>().norm() / std::sqrt(3.0 * steps));
+  // What neither the common scale nor the walk of the headings explains.
+  const double by_scale = scale_sigma * length_of_worst_m;
+  const double by_heading =
+      noise.radians * std::sqrt(steps / 3.0) * length_of_worst_m * std::sqrt(2.0 / 3.0);
+  const double rest =
+      sigmas.head<3>().squaredNorm() - by_scale * by_scale - by_heading * by_heading;
+  noise.metres = std::max(noise.metres, std::sqrt(std::max(0.0, rest) / (3.0 * steps)));
+  return noise;
+}
+
+template <class Scalar>
+using Vector3 = Eigen::Matrix<Scalar, 3, 1>;
+template <class Scalar>
+using Rotation = Eigen::Quaternion<Scalar>;
+
+template <class Scalar>
+Rotation<Scalar> ToRotation(const Scalar* vector) {
+  // First order is enough: it is small, or its first part (about up) is found step by step.
+  Rotation<Scalar> q(Scalar(1.0), Scalar(0.5) * vector[0], Scalar(0.5) * vector[1],
+                     Scalar(0.5) * vector[2]);
+  q.normalize();
+  return q;
+}
+
+// The motion from pose i to the next, in sigmas; blocks: the two poses, the scale.
+struct StepError {
+  Rigid3 a_from_b;
+  StepNoise noise;
+
+  template <class Scalar>
+  bool operator()(const Scalar* a, const Scalar* b, const Scalar* scale, Scalar* residual) const {
+    const Eigen::Map<const Rotation<Scalar>> turn_a(a), turn_b(b);
+    const Eigen::Map<const Vector3<Scalar>> x_a(a + 4), x_b(b + 4);
+    const Rotation<Scalar> a_from_world = turn_a.conjugate();
+    const Vector3<Scalar> moved = a_from_world * (x_b - x_a);
+    const Vector3<Scalar> off = moved - scale[0] * a_from_b.translation.template cast<Scalar>();
+    const Rotation<Scalar> turned =
+        a_from_world * turn_b * a_from_b.rotation.conjugate().template cast<Scalar>();
+    const Scalar sign = turned.w() < Scalar(0.0) ? Scalar(-2.0) : Scalar(2.0);
+    for (int k = 0; k < 3; ++k) {
+      residual[k] = off[k] / noise.metres;
+      residual[3 + k] = sign * turned.vec()[k] / noise.radians;
+    }
+    return true;
+  }
+};
+
+// A fix, in sigmas; blocks: the poses before and after it, the correction of enu_from_world (turn,
+// then shift), the clock.
+struct FixError {
+  AntennaFix fix;
+  double share = 0.0;        // of the way from one pose to the next
+  Eigen::Vector3d velocity;  // in the world, m/s
+  Eigen::Vector3d antenna_in_left;
+  Rigid3 enu_from_world;
+  double sigma_factor = 1.0;
+
+  template <class Scalar>
+  bool operator()(const Scalar* a, const Scalar* b, const Scalar* frame, const Scalar* clock,
+                  Scalar* residual) const {
+    const auto antenna = [&](const Scalar* pose) -> Vector3<Scalar> {
+      const Eigen::Map<const Rotation<Scalar>> turn(pose);
+      const Eigen::Map<const Vector3<Scalar>> x(pose + 4);
+      return turn * antenna_in_left.template cast<Scalar>() + x;
+    };
+    // A receiver's clock that is ahead stamps a place that was passed earlier.
+    const Vector3<Scalar> x_in_world = Scalar(1.0 - share) * antenna(a) +
+                                       Scalar(share) * antenna(b) -
+                                       clock[0] * velocity.template cast<Scalar>();
+    const Vector3<Scalar> x_in_enu = enu_from_world.rotation.template cast<Scalar>() * x_in_world +
+                                     enu_from_world.translation.template cast<Scalar>();
+    const Vector3<Scalar> x =
+        ToRotation(frame) * x_in_enu + Vector3<Scalar>(frame[3], frame[4], frame[5]);
+    for (int k = 0; k < 3; ++k) {
+      residual[k] = (x[k] - Scalar(fix.x_in_enu[k])) / Scalar(sigma_factor * fix.sigma_m[k]);
+    }
+    return true;
+  }
+};
+
+// Prior of single numbers: zero, or one, with these sigmas.
+template <int kCount>
+struct Prior {
+  Eigen::Matrix<double, kCount, 1> mean, sigma;
+
+  template <class Scalar>
+  bool operator()(const Scalar* x, Scalar* residual) const {
+    for (int k = 0; k < kCount; ++k) residual[k] = (x[k] - Scalar(mean[k])) / Scalar(sigma[k]);
+    return true;
+  }
+};
+
+// The pose before a time and how far it is to the next one.
+struct Between {
+  std::size_t before = 0;
+  double share = 0.0;
+};
+
+std::optional<Between> Find(const Trajectory& poses, double time_s, double max_gap_s) {
+  if (time_s < 0.0 || time_s > SecondsSinceFirst(poses, poses.size() - 1)) return std::nullopt;
+  std::size_t after = 1;
+  while (after + 1 < poses.size() && SecondsSinceFirst(poses, after) < time_s) ++after;
+  const double from_s = SecondsSinceFirst(poses, after - 1), to_s = SecondsSinceFirst(poses, after);
+  if (to_s - from_s > max_gap_s) return std::nullopt;
+  return Between{after - 1, (time_s - from_s) / (to_s - from_s)};
+}
+
+class FixFuser {
+ public:
+  FixFuser(const Trajectory& poses, const std::vector<AntennaFix>& fixes, const FixFusion& fusion)
+      : poses_(poses),
+        fixes_(fixes),
+        fusion_(fusion),
+        noise_(NoiseOfSteps(poses, fusion.scale_sigma)),
+        used_(fixes.size(), 0) {
+    for (const TimedPose& pose : poses) blocks_.push_back(ToBlock(pose.world_from_left));
+    for (std::size_t i = 0; i < fixes.size(); ++i) {
+      spans_.push_back(Find(poses, fixes[i].time_s, fusion.max_gap_s));
+      used_[i] = spans_.back() ? 1 : 0;
+    }
+  }
+
+  std::optional<FusedFixes> Fuse() {
+    const auto there = static_cast<std::size_t>(std::ranges::count(used_, 1));
+    if (there < kMinFixes) return std::nullopt;
+    Solve(true);
+    RaiseSigmas();
+    Solve(true);
+    RejectOutliers();
+    const auto believed = static_cast<std::size_t>(std::ranges::count(used_, 1));
+    if (believed < kMinFixes ||
+        static_cast<double>(believed) < kMinBelieved * static_cast<double>(there)) {
+      return std::nullopt;
+    }
+    const double cost = Solve(false);
+    return Result(cost, believed);
+  }
+
+ private:
+  // Half the sum of squares.
+  double Solve(bool robust) {
+    ceres::Problem::Options options;
+    options.manifold_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+    ceres::Problem problem(options);
+    ceres::ProductManifold<ceres::EigenQuaternionManifold, ceres::EuclideanManifold<3>> motion;
+    for (auto& block : blocks_) problem.AddParameterBlock(block.data(), 7, &motion);
+    problem.SetParameterBlockConstant(blocks_.front().data());
+    for (std::size_t i = 1; i < poses_.size(); ++i) {
+      const Rigid3 step = poses_[i - 1].world_from_left.Inverse() * poses_[i].world_from_left;
+      problem.AddResidualBlock(
+          new ceres::AutoDiffCostFunction<StepError, 6, 7, 7, 1>(new StepError{step, noise_}),
+          nullptr, blocks_[i - 1].data(), blocks_[i].data(), &scale_);
+    }
+    for (std::size_t i = 0; i < fixes_.size(); ++i) {
+      if (used_[i]) AddFix(i, robust, problem);
+    }
+    AddPriors(problem);
+    ceres::Solver::Options how;
+    how.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
+    how.num_threads = 1;
+    how.max_num_iterations = 100;
+    how.function_tolerance = 1e-10;
+    ceres::Solver::Summary summary;
+    ceres::Solve(how, &problem, &summary);
+    return summary.final_cost;
+  }
+
+  FixError ErrorOf(std::size_t i) const {
+    const auto [before, share] = *spans_[i];
+    const Rigid3 &from = poses_[before].world_from_left, &to = poses_[before + 1].world_from_left;
+    const double seconds =
+        SecondsSinceFirst(poses_, before + 1) - SecondsSinceFirst(poses_, before);
+    const Eigen::Vector3d velocity =
+        (to * fusion_.antenna_in_left - from * fusion_.antenna_in_left) / seconds;
+    return {fixes_[i],    share, velocity, fusion_.antenna_in_left, fusion_.enu_from_world,
+            sigma_factor_};
+  }
+
+  void AddFix(std::size_t i, bool robust, ceres::Problem& problem) {
+    const std::size_t before = spans_[i]->before;
+    problem.AddResidualBlock(
+        new ceres::AutoDiffCostFunction<FixError, 3, 7, 7, 6, 1>(new FixError(ErrorOf(i))),
+        robust ? new ceres::CauchyLoss(kCauchySigmas) : nullptr, blocks_[before].data(),
+        blocks_[before + 1].data(), frame_.data(), &clock_s_);
+  }
+
+  void AddPriors(ceres::Problem& problem) {
+    using ScalePrior = Prior<1>;
+    using One = Eigen::Matrix<double, 1, 1>;
+    problem.AddParameterBlock(&scale_, 1);
+    if (fusion_.scale_sigma > 0.0) {
+      problem.AddResidualBlock(new ceres::AutoDiffCostFunction<ScalePrior, 1, 1>(new ScalePrior{
+                                   One::Constant(1.0), One::Constant(fusion_.scale_sigma)}),
+                               nullptr, &scale_);
+    } else {
+      problem.SetParameterBlockConstant(&scale_);
+    }
+    if (fusion_.clock_sigma_s) {
+      problem.AddResidualBlock(new ceres::AutoDiffCostFunction<ScalePrior, 1, 1>(new ScalePrior{
+                                   One::Zero(), One::Constant(*fusion_.clock_sigma_s)}),
+                               nullptr, &clock_s_);
+    } else {
+      problem.SetParameterBlockConstant(&clock_s_);
+    }
+    // Only the inclination of the world is known beforehand.
+    Eigen::Matrix<double, 6, 1> sigma;
+    constexpr double kUnknown = 1e4;
+    sigma << kUpSigma_rad, kUpSigma_rad, kUnknown, kUnknown, kUnknown, kUnknown;
+    problem.AddResidualBlock(new ceres::AutoDiffCostFunction<Prior<6>, 6, 6>(
+                                 new Prior<6>{Eigen::Matrix<double, 6, 1>::Zero(), sigma}),
+                             nullptr, frame_.data());
+  }
+
+  // Length of a fix's error, in sigmas of one axis.
+  double Distance(std::size_t i) const {
+    const std::size_t before = spans_[i]->before;
+    std::array<double, 3> residual{};
+    ErrorOf(i)(blocks_[before].data(), blocks_[before + 1].data(), frame_.data(), &clock_s_,
+               residual.data());
+    return std::sqrt(
+        (residual[0] * residual[0] + residual[1] * residual[1] + residual[2] * residual[2]) / 3.0);
+  }
+
+  // Receivers state what their own filter believes, which may be too little.
+  void RaiseSigmas() {
+    constexpr double kMedianOfThree = 0.888;  // of the root mean square of three unit normals
+    std::vector<double> distances;
+    for (std::size_t i = 0; i < fixes_.size(); ++i) {
+      if (used_[i]) distances.push_back(Distance(i));
+    }
+    sigma_factor_ = std::max(1.0, Median(std::move(distances)) / kMedianOfThree);
+  }
+
+  void RejectOutliers() {
+    for (std::size_t i = 0; i < fixes_.size(); ++i) {
+      if (used_[i] && Distance(i) > kOutlierSigmas) used_[i] = 0;
+    }
+  }
+
+  FusedFixes Result(double cost, std::size_t believed) const {
+    FusedFixes result;
+    for (const auto& block : blocks_) result.world_from_left.push_back(FromBlock(block.data()));
+    const Rigid3 correction{ToRotation(frame_.data()),
+                            Eigen::Vector3d(frame_[3], frame_[4], frame_[5])};
+    result.enu_from_world = correction * fusion_.enu_from_world;
+    result.scale = scale_;
+    result.clock_offset_s = clock_s_;
+    result.used = used_;
+    result.chi2 = 2.0 * cost;
+    // Steps and their poses cancel, and so do the priors; heading and origin have none.
+    result.degrees_of_freedom = static_cast<int>(3 * believed) - 4;
+    result.fix_noise_factor = sigma_factor_;
+    return result;
+  }
+
+  const Trajectory& poses_;
+  const std::vector<AntennaFix>& fixes_;
+  const FixFusion& fusion_;
+  StepNoise noise_;
+  std::vector<std::optional<Between>> spans_;  // of each fix among the poses
+  std::vector<char> used_;
+  std::vector<MotionBlock> blocks_;
+  std::array<double, 6> frame_{};
+  double scale_ = 1.0, clock_s_ = 0.0, sigma_factor_ = 1.0;
+};
+
+}  // namespace
+
+std::optional<FusedFixes> FuseFixes(const Trajectory& poses, const std::vector<AntennaFix>& fixes,
+                                    const FixFusion& fusion) {
+  if (poses.size() < 2) return std::nullopt;
+  return FixFuser(poses, fixes, fusion).Fuse();
+}
+
+std::optional<Eigen::Vector3d> AntennaAt(const Trajectory& poses, double time_s,
+                                         const Eigen::Vector3d& antenna_in_left, double max_gap_s) {
+  if (poses.size() < 2) return std::nullopt;
+  const auto found = Find(poses, time_s, max_gap_s);
+  if (!found) return std::nullopt;
+  return Eigen::Vector3d(
+      (1.0 - found->share) * (poses[found->before].world_from_left * antenna_in_left) +
+      found->share * (poses[found->before + 1].world_from_left * antenna_in_left));
+}
+
+}  // namespace rigmap

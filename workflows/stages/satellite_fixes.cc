@@ -1,0 +1,289 @@
+#include "workflows/stages/satellite_fixes.h"
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+
+#include "core/error.h"
+#include "core/statistics.h"
+#include "georeference/local_frame.h"
+#include "pipeline/code_identity.h"
+#include "pose_graph/fuse_fixes.h"
+
+namespace rigmap {
+namespace {
+
+constexpr StampNs kTurn_ns = 10'000'000'000;
+// Fewer fixes, or a path that turns less, do not tell a clock's offset from a way along the path.
+constexpr int kFixesForClock = 40;
+constexpr double kTurnForClock_rad = std::numbers::pi / 2.0;
+
+double SecondsBetween(StampNs from_ns, StampNs to_ns) {
+  return 1e-9 * static_cast<double>(to_ns - from_ns);
+}
+
+// How far the path turns in all, about up.
+double HeadingRange(const Trajectory& trajectory) {
+  double heading = 0.0, least = 0.0, most = 0.0;
+  for (std::size_t i = 1; i < trajectory.size(); ++i) {
+    const Eigen::Vector3d before =
+        trajectory[i - 1].world_from_left.rotation * Eigen::Vector3d::UnitZ();
+    const Eigen::Vector3d after = trajectory[i].world_from_left.rotation * Eigen::Vector3d::UnitZ();
+    heading += std::atan2(before.x() * after.y() - before.y() * after.x(),
+                          before.x() * after.x() + before.y() * after.y());
+    least = std::min(least, heading);
+    most = std::max(most, heading);
+  }
+  return most - least;
+}
+
+// Of the stretch of the whole that one part was the first to have.
+struct PartClock {
+  std::string name;
+  StampNs first_ns = 0, last_ns = 0;
+  RtkFit fit;
+  bool weak = true;
+};
+
+class FixTie {
+ public:
+  FixTie(const AdjustedPart& part, const JoinedParts& parts, const SplitFixes& fixes,
+         const Eigen::Vector3d& antenna, const RtkAlignmentOptions& options)
+      : part_(part), fixes_(fixes), antenna_(antenna), options_(options) {
+    whole_ = AlignToRtk(fixes.tying, part.trajectory, antenna, options);
+    for (std::size_t p = 0; p < parts.parts.size(); ++p) AddClock(parts, static_cast<int>(p));
+    ReportInput();
+  }
+
+  TiedPart Tie() {
+    TiedPart result{part_, ""};
+    if (!whole_.alignment) return NotUsed(std::move(result), whole_.why);
+    const auto fused = FuseFixes(part_.trajectory, InEnu(fixes_.tying), Fusion());
+    if (!fused) {
+      return NotUsed(std::move(result),
+                     "fewer than two thirds of the fixes agree with the path of the images");
+    }
+    Describe(*fused);
+    const double before_m = JudgedBefore(), after_m = JudgedAfter(*fused);
+    report_["judging_rms_before_m"] = before_m;
+    report_["judging_rms_after_m"] = after_m;
+    // Of equal ones neither is better.
+    if (after_m > before_m) {
+      return NotUsed(std::move(result), fmt::format("the fixes held back would agree with the path "
+                                                    "to {:.4f} m instead of {:.4f} m",
+                                                    after_m, before_m));
+    }
+    Move(*fused, result.part);
+    report_["used"] = true;
+    report_["why_not"] = nullptr;
+    result.report = report_.dump();
+    return result;
+  }
+
+ private:
+  void ReportInput() {
+    const auto is_float = [](const GnssFix& fix) { return fix.status != kRtkFixed; };
+    report_["tying"] = fixes_.tying.size();
+    report_["judging"] = fixes_.judging.size();
+    report_["split"] = "by turns of ten seconds: the even ones tie, the odd ones judge";
+    report_["not_rtk_fixed"] = std::ranges::count_if(fixes_.tying, is_float);
+    report_["clocks"] = ReportClocks();
+  }
+
+  void AddClock(const JoinedParts& parts, int p) {
+    Trajectory own;
+    for (std::size_t i = 0; i < part_.trajectory.size(); ++i) {
+      if (parts.first_part[i] == p) own.push_back(part_.trajectory[i]);
+    }
+    if (own.empty()) return;
+    PartClock clock{parts.parts[static_cast<std::size_t>(p)].name, own.front().stamp_ns,
+                    own.back().stamp_ns, AlignToRtk(fixes_.tying, own, antenna_, options_)};
+    const auto& alignment = clock.fit.alignment;
+    clock.weak = !alignment || !alignment->clock_offset_sigma_s ||
+                 alignment->used < kFixesForClock || HeadingRange(own) < kTurnForClock_rad;
+    clocks_.push_back(std::move(clock));
+  }
+
+  // Of the part that the moment lies in; of the whole where that does not tell.
+  double ClockOffset(StampNs stamp_ns) const {
+    for (const PartClock& clock : clocks_) {
+      if (!clock.weak && stamp_ns >= clock.first_ns && stamp_ns <= clock.last_ns) {
+        return clock.fit.alignment->clock_offset_s;
+      }
+    }
+    return whole_.alignment->clock_offset_s;
+  }
+
+  std::vector<AntennaFix> InEnu(const std::vector<GnssFix>& fixes) const {
+    const LocalFrame frame(whole_.alignment->plane_origin);
+    std::vector<AntennaFix> result;
+    for (const GnssFix& fix : fixes) {
+      if (fix.status != kRtkFixed) continue;
+      const double time_s = SecondsBetween(part_.trajectory.front().stamp_ns, fix.stamp_ns) -
+                            ClockOffset(fix.stamp_ns);
+      constexpr double kMinSigma_m = 0.001;
+      result.push_back({time_s, frame.ToEnu({fix.latitude_deg, fix.longitude_deg, fix.altitude_m}),
+                        fix.sigma_enu_m.cwiseMax(kMinSigma_m)});
+    }
+    return result;
+  }
+
+  // The horizontal alignment, and the height that most fixes agree with.
+  Rigid3 EnuFromWorld() const {
+    const Rigid2& plane = whole_.alignment->plane_from_world;
+    Rigid3 enu_from_world{
+        Eigen::Quaterniond(Eigen::AngleAxisd(plane.angle_rad, Eigen::Vector3d::UnitZ())),
+        {plane.translation.x(), plane.translation.y(), 0.0}};
+    std::vector<double> heights;
+    for (const AntennaFix& fix : InEnu(fixes_.tying)) {
+      const auto antenna = AntennaAt(part_.trajectory, fix.time_s, antenna_, options_.max_gap_s);
+      if (antenna) heights.push_back(fix.x_in_enu.z() - antenna->z());
+    }
+    if (!heights.empty()) enu_from_world.translation.z() = Median(std::move(heights));
+    return enu_from_world;
+  }
+
+  FixFusion Fusion() const {
+    return {antenna_, EnuFromWorld(), part_.adjustment.scale_sigma.value_or(0.0),
+            whole_.alignment->clock_offset_sigma_s, options_.max_gap_s};
+  }
+
+  // Horizontal, root mean square of the judging fixes within ten sigmas of the median: those that
+  // are no fixes at all judge nobody. The shifts are those that fit the tying fixes best.
+  double Judged(const Trajectory& poses, const Rigid3& enu_from_world, double clock_s) const {
+    std::vector<double> distances;
+    for (const AntennaFix& fix : InEnu(fixes_.judging)) {
+      const auto antenna = AntennaAt(poses, fix.time_s - clock_s, antenna_, options_.max_gap_s);
+      if (!antenna) continue;
+      distances.push_back((enu_from_world * *antenna - fix.x_in_enu).head<2>().norm());
+    }
+    if (distances.empty()) return 0.0;
+    const double limit = 10.0 * Median(distances);
+    std::erase_if(distances, [&](double distance) { return distance > limit; });
+    const double sum =
+        std::inner_product(distances.begin(), distances.end(), distances.begin(), 0.0);
+    return std::sqrt(sum / static_cast<double>(distances.size()));
+  }
+  double JudgedBefore() const { return Judged(part_.trajectory, EnuFromWorld(), 0.0); }
+  double JudgedAfter(const FusedFixes& fused) const {
+    Trajectory moved = part_.trajectory;
+    for (std::size_t i = 0; i < moved.size(); ++i) {
+      moved[i].world_from_left = fused.world_from_left[i];
+    }
+    return Judged(moved, fused.enu_from_world, fused.clock_offset_s);
+  }
+
+  void Describe(const FusedFixes& fused) {
+    report_["believed"] = std::ranges::count(fused.used, 1);
+    report_["not_believed"] = std::ranges::count(fused.used, 0);
+    report_["scale_correction_pct"] = 100.0 * (fused.scale - 1.0);
+    report_["clock_offset_s"] = whole_.alignment->clock_offset_s + fused.clock_offset_s;
+    report_["fix_noise_factor"] = fused.fix_noise_factor;
+    report_["chi2_per_degree"] = fused.chi2 / std::max(1, fused.degrees_of_freedom);
+    // The mean of a chi-square over its degrees is one, its deviation this; three of them.
+    report_["chi2_per_degree_limit"] =
+        1.0 + 3.0 * std::sqrt(2.0 / std::max(1, fused.degrees_of_freedom));
+  }
+
+  Report ReportClocks() const {
+    Report list = Report::array();
+    for (const PartClock& clock : clocks_) {
+      const auto& alignment = clock.fit.alignment;
+      list.push_back({{"part", clock.name},
+                      {"clock_offset_s", alignment ? Report(alignment->clock_offset_s) : Report()},
+                      {"sigma_s", alignment && alignment->clock_offset_sigma_s
+                                      ? Report(*alignment->clock_offset_sigma_s)
+                                      : Report()},
+                      {"weak", clock.weak}});
+    }
+    return list;
+  }
+
+  TiedPart NotUsed(TiedPart result, const std::string& why) {
+    spdlog::warn("--use-rtk: the poses are left as the images tell them: {}", why);
+    report_["used"] = false;
+    report_["why_not"] = why;
+    result.report = report_.dump();
+    return result;
+  }
+
+  void Move(const FusedFixes& fused, AdjustedPart& moved) const {
+    const Rigid3& world_from_gauge = part_.world_from_gauge;
+    std::vector<Rigid3> corrections;  // of what the frame shows, in the gauge
+    for (std::size_t i = 0; i < fused.world_from_left.size(); ++i) {
+      const Rigid3& before = part_.trajectory[i].world_from_left;
+      const Rigid3& after = fused.world_from_left[i];
+      moved.trajectory[i].world_from_left = after;
+      corrections.push_back(world_from_gauge.Inverse() * after * before.Inverse() *
+                            world_from_gauge);
+      if (auto& pose = moved.adjustment.world_from_left[i]) pose = corrections.back() * *pose;
+    }
+    for (AdjustedPoint& point : moved.adjustment.points) {
+      point.x = corrections[static_cast<std::size_t>(point.observations.front().frame)] * point.x;
+    }
+  }
+
+  const AdjustedPart& part_;
+  const SplitFixes& fixes_;
+  Eigen::Vector3d antenna_;
+  const RtkAlignmentOptions& options_;
+  RtkFit whole_;
+  std::vector<PartClock> clocks_;
+  Report report_ = Report::object();
+};
+
+TiedPart MakeTied(const StageContext&, const Dataset& dataset, const AdjustedPart& part,
+                  const JoinedParts& parts, const SplitFixes& fixes,
+                  const RtkAlignmentOptions& options) {
+  if (!dataset.rig.antenna_in_left) {
+    throw DataError(
+        fmt::format("{}: --use-rtk: expected the antenna's place (antenna_in_left), found none",
+                    dataset.rig.source));
+  }
+  if (fixes.tying.empty()) {
+    throw DataError("--use-rtk: expected satellite fixes beside the images, found none");
+  }
+  return FixTie(part, parts, fixes, *dataset.rig.antenna_in_left, options).Tie();
+}
+
+void PublishTied(Publication& publication, const StageContext&, const TiedPart& tied,
+                 const Dataset& dataset, const AdjustedPart&, const JoinedParts&,
+                 const SplitFixes&) {
+  PublishPosesAndPoints(tied.part, dataset, publication);
+}
+
+Report ReportTied(const TiedPart& tied, const Dataset&, const AdjustedPart&, const JoinedParts&,
+                  const SplitFixes&) {
+  return {{"rtk_use", Report::parse(tied.report)}};
+}
+
+}  // namespace
+
+SplitFixes SplitByTurns(std::vector<GnssFix> fixes) {
+  std::ranges::stable_sort(fixes, {}, &GnssFix::stamp_ns);
+  SplitFixes split;
+  for (GnssFix& fix : fixes) {
+    const bool ties = fix.stamp_ns / kTurn_ns % 2 == 0;
+    (ties ? split.tying : split.judging).push_back(std::move(fix));
+  }
+  return split;
+}
+
+RtkStage TieToFixes() {
+  return {.name = "rtk",
+          .about = "poses tied to satellite fixes",
+          .code = CodeHere(),
+          .make = MakeTied,
+          .publishes = PosesAndPointsOutputs(),
+          .publish = PublishTied,
+          .report = ReportTied};
+}
+
+AdjustedPart PartOf(const StageContext&, const TiedPart& tied) { return tied.part; }
+
+}  // namespace rigmap

@@ -1,0 +1,39 @@
+// The stage `rtk`: poses tied to satellite fixes, where that was asked for.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "georeference/rtk_alignment.h"
+#include "pipeline/stage.h"
+#include "workflows/stages/adjusted_part.h"
+#include "workflows/stages/joined_parts.h"
+
+namespace rigmap {
+
+// Fixes in turns of ten seconds: those of the even turns tie poses, the others judge them.
+struct SplitFixes {
+  std::vector<GnssFix> tying, judging;
+};
+SplitFixes SplitByTurns(std::vector<GnssFix> fixes);
+
+struct TiedPart {
+  AdjustedPart part;   // as it came, where the fixes are not to be used
+  std::string report;  // JSON: what became of the fixes
+
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(part, report);
+  }
+};
+
+using RtkStage = Stage<TiedPart, Takes<Dataset, AdjustedPart, JoinedParts, SplitFixes>,
+                       Reads<RtkAlignmentOptions>>;
+// Throws DataError where the rig does not know the antenna or there are no fixes. Publishes what
+// the adjustment publishes of poses and points.
+RtkStage TieToFixes();
+
+// A view.
+AdjustedPart PartOf(const StageContext& context, const TiedPart& tied);
+
+}  // namespace rigmap
