@@ -61,7 +61,8 @@ std::vector<Geodetic> Outline(const RouteLandmark& rock, const EarthMap& earth) 
 
 std::string Positions(const std::vector<Geodetic>& line) {
   std::vector<std::string> positions;
-  for (const Geodetic& position : line) positions.push_back(fmt::format("[{}]", Coordinates(position)));
+  for (const Geodetic& position : line)
+    positions.push_back(fmt::format("[{}]", Coordinates(position)));
   return fmt::format("[{}]", fmt::join(positions, ","));
 }
 
