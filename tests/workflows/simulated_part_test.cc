@@ -116,7 +116,7 @@ class SimulatedPartTest : public testing::Test {
     EXPECT_EQ(summary["frames"]["posed"], 8);
     EXPECT_EQ(summary["frames"]["registered"], summary["frames"]["keyframes"]);
     EXPECT_GT(summary["scale"]["metres_per_model_unit"].get<double>(), 0.0);
-    EXPECT_EQ(summary["stages"].size(), 15U);
+    EXPECT_EQ(summary["stages"].size(), 18U);
     EXPECT_EQ(summary["gates"].size(), 19U);
     EXPECT_TRUE(summary["versions"]["colmap"].is_string());
     EXPECT_EQ(ReadTum(out_ / "trajectory.tum").size(), 8U);
@@ -160,7 +160,7 @@ TEST_F(SimulatedPartTest, IsReusedWholeAndWhatIsMissingIsMadeAgain) {
   RunPart(out_);
   const auto before = Bytes(out_);
   RunPart(out_);
-  EXPECT_EQ(Reused(out_).size(), 15U);
+  EXPECT_EQ(Reused(out_).size(), 18U);
   EXPECT_TRUE(Bytes(out_) == before);
   for (const char* name : {"trajectory.csv", "dense.ply", "evaluation.json"})
     fs::remove(out_ / name);
@@ -271,7 +271,7 @@ TEST_F(SimulatedPartTest, WithAWrongRigIsCorrectedOrNotTrusted) {
   // Mended, and as good as it says: eight small frames hardly tell principal points from turns.
   const ProgramEnd corrected = RunRigmap(part);
   EXPECT_EQ(corrected.exit_code, 0);
-  EXPECT_THAT(corrected.LastErrorLine(), testing::HasSubstr("has been corrected"));
+  EXPECT_THAT(corrected.err, testing::HasSubstr("has been corrected"));
   const json summary = JsonOf(out_ / "summary.json");
   EXPECT_EQ(summary["rig"]["refined"], true);
   EXPECT_THAT(summary["mapping"]["remarks"].dump(), testing::HasSubstr("contradict"));
