@@ -46,6 +46,7 @@ PrismPosition ParsePosition(const std::vector<std::string>& fields) {
 
 bool IsPrismFile(const std::filesystem::path& path) {
   if (path.filename() == kPrismFileName) return true;
+  if (std::filesystem::is_directory(path)) return false;
   std::istringstream stream(ReadTextFile(path));
   for (std::string line; std::getline(stream, line);) {
     const auto fields = FieldsOf(line);

@@ -34,7 +34,7 @@ class Installed(unittest.TestCase):
         link.symlink_to(prefix / 'bin/rigmap')
         self.assertTrue(run(link, '--version').startswith(VERSION))
         # Without --rig it takes the rig file that was installed with it.
-        run(prefix / 'bin/rigmap-simulate', '--scene', 'flat-sand', '--path', 'straight', '--pairs', '2',
+        run(prefix / 'bin/rigmap-simulate', '--scene', 'flat-sand', '--path', 'straight', '--pairs', '3',
             '--spacing', '0.2', '--seed', '1', '--image-scale', '0.1', '--out', self.root / 'drive',
             '--quiet', cwd='/')
         self.assertTrue((prefix / 'share/rigmap/config/rigs/loccam.yaml').is_file())

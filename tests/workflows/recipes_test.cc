@@ -143,8 +143,8 @@ TEST(RigRecipe, StagesDependOnWhatTheyTakeAndNoMore) {
   const StageGraph graph = GraphOf({});
   EXPECT_THAT(StageNames(Technique::kRig),
               ElementsAre("dataset", "features", "odometry", "matching", "database", "mapping",
-                          "scale", "adjustment", "steps", "dense", "depth_maps", "fusion",
-                          "georeference", "raster", "las", "views", "evaluation"));
+                          "scale", "adjustment", "pose_graph", "steps", "dense", "depth_maps",
+                          "fusion", "georeference", "raster", "las", "views", "evaluation"));
   EXPECT_THAT(DescendantsOf(graph, "views"), ElementsAre("views"));
   EXPECT_THAT(DescendantsOf(graph, "raster"), ElementsAre("raster"));
   EXPECT_THAT(DescendantsOf(graph, "truth"), ElementsAre("truth", "evaluation"));
@@ -154,8 +154,8 @@ TEST(RigRecipe, StagesDependOnWhatTheyTakeAndNoMore) {
               ElementsAre("fusion", "georeference", "raster", "las", "views", "evaluation"));
   EXPECT_THAT(
       DescendantsOf(graph, "scale"),
-      ElementsAre("scale", "adjustment", "gates", "steps", "dense", "depth_maps", "depth_gates",
-                  "fusion", "georeference", "raster", "las", "views", "evaluation"));
+      ElementsAre("scale", "adjustment", "gates", "pose_graph", "steps", "dense", "depth_maps",
+                  "depth_gates", "fusion", "georeference", "raster", "las", "views", "evaluation"));
 }
 
 std::vector<Technique> AllTechniques() {
