@@ -8,6 +8,7 @@
 
 #include "core/statistics.h"
 #include "geometry/motion_block.h"
+#include "pose_graph/internal/fix_errors.h"
 
 namespace rigmap {
 namespace {
@@ -15,19 +16,12 @@ namespace {
 constexpr double kCauchySigmas = 2.0, kOutlierSigmas = 4.0;
 constexpr std::size_t kMinFixes = 4;
 constexpr double kMinBelieved = 2.0 / 3.0;
-// Steps are never known better than this, however sure the poses are of themselves.
-constexpr double kMinStepSigma_m = 1e-4, kMinStepSigma_rad = 1e-5;
 // Of the world's up axis, which accelerometers or the ground told.
 constexpr double kUpSigma_rad = 0.02;
 
 double SecondsSinceFirst(const Trajectory& poses, std::size_t i) {
   return 1e-9 * static_cast<double>(poses[i].stamp_ns - poses.front().stamp_ns);
 }
-
-// Of each step, one sigma per axis.
-struct StepNoise {
-  double metres = kMinStepSigma_m, radians = kMinStepSigma_rad;
-};
 
 // A random walk that grows to the sigmas of the least known pose.
 StepNoise NoiseOfSteps(const Trajectory& poses, double scale_sigma) {
@@ -54,88 +48,6 @@ StepNoise NoiseOfSteps(const Trajectory& poses, double scale_sigma) {
   noise.metres = std::max(noise.metres, std::sqrt(std::max(0.0, rest) / (3.0 * steps)));
   return noise;
 }
-
-template <class Scalar>
-using Vector3 = Eigen::Matrix<Scalar, 3, 1>;
-template <class Scalar>
-using Rotation = Eigen::Quaternion<Scalar>;
-
-template <class Scalar>
-Rotation<Scalar> ToRotation(const Scalar* vector) {
-  // First order is enough: it is small, or its first part (about up) is found step by step.
-  Rotation<Scalar> q(Scalar(1.0), Scalar(0.5) * vector[0], Scalar(0.5) * vector[1],
-                     Scalar(0.5) * vector[2]);
-  q.normalize();
-  return q;
-}
-
-// The motion from pose i to the next, in sigmas; blocks: the two poses, the scale.
-struct StepError {
-  Rigid3 a_from_b;
-  StepNoise noise;
-
-  template <class Scalar>
-  bool operator()(const Scalar* a, const Scalar* b, const Scalar* scale, Scalar* residual) const {
-    const Eigen::Map<const Rotation<Scalar>> turn_a(a), turn_b(b);
-    const Eigen::Map<const Vector3<Scalar>> x_a(a + 4), x_b(b + 4);
-    const Rotation<Scalar> a_from_world = turn_a.conjugate();
-    const Vector3<Scalar> moved = a_from_world * (x_b - x_a);
-    const Vector3<Scalar> off = moved - scale[0] * a_from_b.translation.template cast<Scalar>();
-    const Rotation<Scalar> turned =
-        a_from_world * turn_b * a_from_b.rotation.conjugate().template cast<Scalar>();
-    const Scalar sign = turned.w() < Scalar(0.0) ? Scalar(-2.0) : Scalar(2.0);
-    for (int k = 0; k < 3; ++k) {
-      residual[k] = off[k] / noise.metres;
-      residual[3 + k] = sign * turned.vec()[k] / noise.radians;
-    }
-    return true;
-  }
-};
-
-// A fix, in sigmas; blocks: the poses before and after it, the correction of enu_from_world (turn,
-// then shift), the clock.
-struct FixError {
-  AntennaFix fix;
-  double share = 0.0;        // of the way from one pose to the next
-  Eigen::Vector3d velocity;  // in the world, m/s
-  Eigen::Vector3d antenna_in_left;
-  Rigid3 enu_from_world;
-  double sigma_factor = 1.0;
-
-  template <class Scalar>
-  bool operator()(const Scalar* a, const Scalar* b, const Scalar* frame, const Scalar* clock,
-                  Scalar* residual) const {
-    const auto antenna = [&](const Scalar* pose) -> Vector3<Scalar> {
-      const Eigen::Map<const Rotation<Scalar>> turn(pose);
-      const Eigen::Map<const Vector3<Scalar>> x(pose + 4);
-      return turn * antenna_in_left.template cast<Scalar>() + x;
-    };
-    // A receiver's clock that is ahead stamps a place that was passed earlier.
-    const Vector3<Scalar> x_in_world = Scalar(1.0 - share) * antenna(a) +
-                                       Scalar(share) * antenna(b) -
-                                       clock[0] * velocity.template cast<Scalar>();
-    const Vector3<Scalar> x_in_enu = enu_from_world.rotation.template cast<Scalar>() * x_in_world +
-                                     enu_from_world.translation.template cast<Scalar>();
-    const Vector3<Scalar> x =
-        ToRotation(frame) * x_in_enu + Vector3<Scalar>(frame[3], frame[4], frame[5]);
-    for (int k = 0; k < 3; ++k) {
-      residual[k] = (x[k] - Scalar(fix.x_in_enu[k])) / Scalar(sigma_factor * fix.sigma_m[k]);
-    }
-    return true;
-  }
-};
-
-// Prior of single numbers: zero, or one, with these sigmas.
-template <int kCount>
-struct Prior {
-  Eigen::Matrix<double, kCount, 1> mean, sigma;
-
-  template <class Scalar>
-  bool operator()(const Scalar* x, Scalar* residual) const {
-    for (int k = 0; k < kCount; ++k) residual[k] = (x[k] - Scalar(mean[k])) / Scalar(sigma[k]);
-    return true;
-  }
-};
 
 // The pose before a time and how far it is to the next one.
 struct Between {
