@@ -76,6 +76,79 @@ int RunJoin(const JoinArguments& arguments, std::string command) {
   return SayHowItEnded(JoinParts(MakeJoinRequest(arguments, std::move(command))), arguments.whole);
 }
 
+// Commands that print what is asked for and reconstruct nothing.
+class SmallCommands {
+ public:
+  explicit SmallCommands(CLI::App& app) : app_(app) {
+    evaluation_ = app.add_subcommand("evaluate", "Compare a result with a truth");
+    evaluation_->add_option("out", evaluate_.out, "Folder with the results")->required();
+    evaluation_->add_option("--truth", truth_, "TUM file, track of a prism, or folder with one");
+    evaluation_->add_flag("--json", evaluate_.json, "Print one line of JSON instead of a table");
+    calibration_ = app.add_subcommand("calibrate", "Find one rig for many parts");
+    calibration_->add_option("outs", outs_, "Folders with the results of parts")->required();
+    calibration_->add_option("--rig-out", rig_out_, "Rig file to be written")->required();
+    options_ = app.add_subcommand("options", "Print every option of part with its default");
+    options_->add_option("--format", format_, "yaml or markdown");
+    stages_ = app.add_subcommand("stages", "Print the stages of a technique as a table");
+    stages_->add_option("--technique", technique_, "rig (default) or another");
+    report_ = app.add_subcommand("report", "Write report.html into folders with results");
+    report_->add_option("outs", reported_, "Folders of parts, traverses or comparisons")
+        ->required();
+    completion_ = app.add_subcommand("completion", "Print what completes words in bash");
+    manual_ = app.add_subcommand("manual", "Print this as a page of manual, for man -l -");
+  }
+
+  // False if none of them was asked for.
+  bool Run() {
+    if (evaluation_->parsed()) {
+      evaluate_.truth = IfGiven<fs::path>(truth_);
+      fmt::print("{}", EvaluatePart(evaluate_));
+      return true;
+    }
+    if (calibration_->parsed()) {
+      calibrate_.outs.assign(outs_.begin(), outs_.end());
+      calibrate_.rig_out = rig_out_;
+      fmt::print("{}", Calibrate(calibrate_));
+      return true;
+    }
+    if (report_->parsed()) {
+      fmt::print("{}", WriteReports({reported_.begin(), reported_.end()}));
+      return true;
+    }
+    if (completion_->parsed() || manual_->parsed()) {
+      fmt::print("{}", completion_->parsed() ? BashCompletion(app_) : ManualPage(app_));
+      return true;
+    }
+    if (options_->parsed()) {
+      fmt::print("{}", PrintOptions(format_));
+      return true;
+    }
+    if (stages_->parsed()) {
+      fmt::print("{}", PrintStages(ParseTechnique(technique_)));
+      return true;
+    }
+    return false;
+  }
+
+ private:
+  const CLI::App& app_;
+  EvaluateRequest evaluate_;
+  std::string truth_;
+  CLI::App* evaluation_ = nullptr;
+  CalibrateRequest calibrate_;
+  std::vector<std::string> outs_;
+  std::string rig_out_;
+  CLI::App* calibration_ = nullptr;
+  std::string format_ = "yaml";
+  CLI::App* options_ = nullptr;
+  std::string technique_ = "rig";
+  CLI::App* stages_ = nullptr;
+  std::vector<std::string> reported_;
+  CLI::App* report_ = nullptr;
+  CLI::App* completion_ = nullptr;
+  CLI::App* manual_ = nullptr;
+};
+
 int Main(int argc, char** argv) {
   CLI::App app("Metric trajectories and maps from stereo rovers", "rigmap");
   app.set_version_flag("--version", std::string(SourceVersion()));
@@ -87,31 +160,9 @@ int Main(int argc, char** argv) {
   CLI::App* planning = AddPlan(app, plan);
   JoinArguments join;
   CLI::App* joining = AddJoin(app, join);
-  EvaluateRequest evaluate;
-  std::string truth;
-  CLI::App* evaluation = app.add_subcommand("evaluate", "Compare a result with a truth");
-  evaluation->add_option("out", evaluate.out, "Folder with the results")->required();
-  evaluation->add_option("--truth", truth, "TUM file, track of a prism, or folder with one");
-  evaluation->add_flag("--json", evaluate.json, "Print one line of JSON instead of a table");
-  CalibrateRequest calibrate;
-  std::vector<std::string> outs;
-  std::string rig_out;
-  CLI::App* calibration = app.add_subcommand("calibrate", "Find one rig for many parts");
-  calibration->add_option("outs", outs, "Folders with the results of parts")->required();
-  calibration->add_option("--rig-out", rig_out, "Rig file to be written")->required();
   CompareArguments compare;
   CLI::App* comparison = AddCompare(app, compare);
-  std::string format = "yaml";
-  CLI::App* options = app.add_subcommand("options", "Print every option of part with its default");
-  options->add_option("--format", format, "yaml or markdown");
-  std::string technique = "rig";
-  CLI::App* stages = app.add_subcommand("stages", "Print the stages of a technique as a table");
-  stages->add_option("--technique", technique, "rig (default) or another");
-  std::vector<std::string> reported;
-  CLI::App* report = app.add_subcommand("report", "Write report.html into folders with results");
-  report->add_option("outs", reported, "Folders of parts, traverses or comparisons")->required();
-  CLI::App* completion = app.add_subcommand("completion", "Print what completes words in bash");
-  CLI::App* manual = app.add_subcommand("manual", "Print this as a page of manual, for man -l -");
+  SmallCommands small(app);
   AddExamples(app);
   try {
     app.parse(argc, argv);
@@ -121,35 +172,9 @@ int Main(int argc, char** argv) {
   }
   std::string command;
   for (int i = 0; i < argc; ++i) command += fmt::format("{}{}", i ? " " : "", argv[i]);
-  if (evaluation->parsed()) {
-    evaluate.truth = IfGiven<fs::path>(truth);
-    fmt::print("{}", EvaluatePart(evaluate));
-    return 0;
-  }
-  if (calibration->parsed()) {
-    calibrate.outs.assign(outs.begin(), outs.end());
-    calibrate.rig_out = rig_out;
-    fmt::print("{}", Calibrate(calibrate));
-    return 0;
-  }
+  if (small.Run()) return 0;
   if (comparison->parsed()) {
     fmt::print("{}", Compare(MakeCompareRequest(compare, command)));
-    return 0;
-  }
-  if (report->parsed()) {
-    fmt::print("{}", WriteReports({reported.begin(), reported.end()}));
-    return 0;
-  }
-  if (completion->parsed() || manual->parsed()) {
-    fmt::print("{}", completion->parsed() ? BashCompletion(app) : ManualPage(app));
-    return 0;
-  }
-  if (options->parsed()) {
-    fmt::print("{}", PrintOptions(format));
-    return 0;
-  }
-  if (stages->parsed()) {
-    fmt::print("{}", PrintStages(ParseTechnique(technique)));
     return 0;
   }
   if (planning->parsed()) {

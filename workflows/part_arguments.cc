@@ -209,6 +209,9 @@ RunRequest MakeRunRequest(const RunArguments& a, std::string command) {
   RunRequest request;
   request.part = MakeRequestWithoutStages(a.part, std::move(command));
   request.use_rtk = a.use_rtk;
+  // Of the parts and of the whole.
+  RequireStages(a.part, StageNames(Technique::kRig));
+  RequireStages(a.part, JoinStageNames());
   request.plan = {request.part.dataset,  a.split, a.max_frames, a.overlap, request.part.threads,
                   request.part.memory_mb};
   for (const auto& [option, count] :

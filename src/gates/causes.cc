@@ -287,4 +287,21 @@ Cause DenseDiffers(const Failed& failed) {
           "shows any texture"};
 }
 
+namespace {
+
+constexpr std::string_view kOverlap =
+    "cut the parts so that they share frames (--overlap), or bridge the gap by images of the same "
+    "ground; else take each world for itself";
+
+}  // namespace
+
+Cause PartsLieApart(const Failed& failed) {
+  return {"some parts are tied to the others by nothing", failed.Find("worlds")->why,
+          std::string(kOverlap)};
+}
+
+Cause PartsAreMissing(const Failed& failed) {
+  return {"not all parts are in it", failed.Find("parts_missing")->why, std::string(kOverlap)};
+}
+
 }  // namespace rigmap

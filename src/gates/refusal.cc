@@ -53,7 +53,9 @@ const std::vector<Root>& Roots() {
       {MotionsDiffer, motion, Joined({lenses, sigmas}), true},
       {DepthsDisagree, lenses, sigmas},
       {NotAsGoodAsAsked, sigmas, {}, false, true},
-      {DenseDiffers, depth, {}, false, true}};
+      {DenseDiffers, depth, {}, false, true},
+      {PartsLieApart, {"worlds"}, {"parts_missing"}, true},
+      {PartsAreMissing, {"parts_missing"}, {}, false, true}};
   return roots;
 }
 

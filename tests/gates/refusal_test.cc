@@ -197,5 +197,15 @@ TEST(RefusalOf, AGateThatNobodyTellsOfIsToldAsItIs) {
   EXPECT_EQ(refusal.usable, "nothing");
 }
 
+TEST(RefusalOf, WhatWasJoinedHoldsWithoutThePartsThatAreMissing) {
+  Gates gates = Failing({"parts_missing"}, 1.0, 0.0);
+  gates.back().why = "part 2 could not be tied to part 1";
+  const Refusal refusal = RefusalOf(gates, Findings());
+  ASSERT_THAT(refusal.causes, SizeIs(1));
+  EXPECT_THAT(refusal.causes[0].found, HasSubstr("part 2 could not be tied"));
+  EXPECT_THAT(refusal.causes[0].advice, HasSubstr("--overlap"));
+  EXPECT_THAT(refusal.usable, StartsWith("shape and path: metres to 1.2 %"));
+}
+
 }  // namespace
 }  // namespace rigmap

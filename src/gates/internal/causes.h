@@ -44,5 +44,7 @@ Cause ChainsDiffer(const Failed& failed);       // closure_sigmas, closure_pct
 Cause DepthsDisagree(const Failed& failed);     // depth_consistency_pct
 Cause NotAsGoodAsAsked(const Failed& failed);   // scale_95_pct, position_95_pct
 Cause DenseDiffers(const Failed& failed);       // depth_bias_px
+Cause PartsLieApart(const Failed& failed);      // worlds
+Cause PartsAreMissing(const Failed& failed);    // parts_missing
 
 }  // namespace rigmap
