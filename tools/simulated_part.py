@@ -51,10 +51,12 @@ def simulate(part, folder, build):
     note.write_text(' '.join(part.request()))
 
 
-def reconstruct(dataset, result, build, options):
-    """Up to the adjustment, anew. The exit code, 0 or 3, and the last line of what was said."""
+def reconstruct(dataset, result, build, options, parts=1):
+    """Up to the adjustment, anew, in so many parts. The exit code, 0 or 3, and the last line of what
+    was said."""
     shutil.rmtree(result, ignore_errors=True)
-    run = subprocess.run([build / 'rigmap', 'part', '--dataset', dataset, '--out', result,
+    command = ['part'] if parts == 1 else ['run', '--split', str(parts)]
+    run = subprocess.run([build / 'rigmap', *command, '--dataset', dataset, '--out', result,
                           '--until', 'adjustment', '--threads', '1', '--quiet',
                           *repeat('--set', options)], capture_output=True, text=True)
     if run.returncode not in (0, 3):

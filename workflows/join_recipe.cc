@@ -21,8 +21,10 @@ std::string KeyOf(const JoinedParts& parts) {
   for (const auto& part : parts.parts) {
     text += part.name + part.status;
     for (const auto& [frame, pose] : part.world_from_left) {
-      text += fmt::format(" {} {} {} {}", frame, pose.translation.x(), pose.translation.y(),
-                          pose.translation.z());
+      const Eigen::Vector3d& t = pose.translation;
+      const Eigen::Quaterniond& q = pose.rotation;
+      text += fmt::format(" {} {} {} {} {} {} {} {}", frame, t.x(), t.y(), t.z(), q.x(), q.y(),
+                          q.z(), q.w());
     }
   }
   for (const std::string& sentence : parts.missing) text += sentence;

@@ -120,11 +120,21 @@ void SetPose(const Found& found, int reference, const Rigid3& world_from_referen
   frame.world_from_left = world_from_reference * motion.Inverse();
 }
 
-// Follows frames from the first it is given; counts them from 0.
+// Of frames counted from `start`.
+ExpectedMotion CountedFrom(int start, const ExpectedMotion& expected) {
+  if (!expected || start == 0) return expected;
+  return [=](int from, int to) { return expected(start + from, start + to); };
+}
+
+// Follows frames from the first it is given; counts them from 0, as `expected` does.
 class Tracker {
  public:
-  Tracker(const StereoRig& rig, const OdometryOptions& options, MatchBy match_by)
-      : rig_(rig), options_(options), match_by_(match_by) {}
+  Tracker(const StereoRig& rig, const OdometryOptions& options, MatchBy match_by,
+          ExpectedMotion expected)
+      : rig_(rig),
+        options_(options),
+        match_by_(match_by),
+        expected_(expected ? std::move(expected) : [](int, int) { return std::nullopt; }) {}
 
   void Start(FrameFeatures features) {
     OdometryFrame frame{.stamp_ns = features.stamp_ns};
@@ -137,7 +147,7 @@ class Tracker {
 
   void Add(FrameFeatures features) {
     const int index = static_cast<int>(odometry_.size());
-    const Rigid3 predicted = PredictPose(odometry_, features.stamp_ns);
+    const Rigid3 predicted = Predict(features.stamp_ns);
     const auto found = FindFromAny(features, predicted);
     OdometryFrame& frame = odometry_.emplace_back();
     frame.stamp_ns = features.stamp_ns;
@@ -184,11 +194,21 @@ class Tracker {
     }
   }
 
+  // The pose of the next frame.
+  Rigid3 Predict(StampNs stamp_ns) const {
+    const int index = static_cast<int>(odometry_.size());
+    const auto step = expected_(index - 1, index);
+    return step ? odometry_.back().world_from_left * step->Inverse()
+                : PredictPose(odometry_, stamp_ns);
+  }
+
   std::optional<Found> FindFrom(const Reference& reference, const FrameFeatures& current,
                                 const Rigid3& predicted) const {
+    const auto expected = expected_(reference.frame, static_cast<int>(odometry_.size()));
     const Rigid3& world_from_reference = odometry_[reference.frame].world_from_left;
-    return FindMotion(reference, current, rig_, predicted.Inverse() * world_from_reference,
-                      options_, match_by_);
+    return FindMotion(reference, current, rig_,
+                      expected.value_or(predicted.Inverse() * world_from_reference), options_,
+                      match_by_);
   }
 
   bool NeedsKeyframeNow(const std::optional<Found>& found) const {
@@ -205,6 +225,7 @@ class Tracker {
   const StereoRig& rig_;
   const OdometryOptions& options_;
   MatchBy match_by_;
+  ExpectedMotion expected_;
   Odometry odometry_;
   Reference keyframe_, previous_;
   std::optional<Reference> before_loss_;  // the keyframe when tracking had to start anew
@@ -226,13 +247,14 @@ int FirstThatCarries(int frame_count, const FeatureSource& features, const Stere
 // that was tracked, else predicted as if the motion after it had gone on, backwards in time.
 Odometry WithFramesBefore(int start, const FeatureSource& features, const StereoRig& rig,
                           const OdometryOptions& options, MatchBy match_by,
-                          const Odometry& tracked) {
+                          const ExpectedMotion& expected, const Odometry& tracked) {
   Odometry latest_first(tracked.rbegin(), tracked.rend());
   for (OdometryFrame& frame : latest_first) frame.reference += start;
   const Reference first = MakeReference(start, features(start), rig, options);
   for (int index = start - 1; index >= 0; --index) {
     const FrameFeatures current = features(index);
-    const Rigid3 predicted = PredictPose(latest_first, current.stamp_ns);
+    const auto motion = expected ? expected(index, start) : std::nullopt;
+    const Rigid3 predicted = motion ? *motion : PredictPose(latest_first, current.stamp_ns);
     const auto found = FindMotion(first, current, rig, predicted.Inverse(), options, match_by);
     OdometryFrame& frame = latest_first.emplace_back();
     frame.stamp_ns = current.stamp_ns;
@@ -249,15 +271,18 @@ Odometry WithFramesBefore(int start, const FeatureSource& features, const Stereo
 }  // namespace
 
 Odometry TrackFrames(int frame_count, const FeatureSource& features, const StereoRig& rig,
-                     const OdometryOptions& options, MatchBy match_by) {
+                     const OdometryOptions& options, MatchBy match_by,
+                     const ExpectedMotion& expected) {
   if (frame_count == 0) return {};
   const int start = FirstThatCarries(frame_count, features, rig, options);
   if (start > 0) spdlog::info("frame {} is the first that others can be posed against", start);
-  Tracker tracker(rig, options, match_by);
+  Tracker tracker(rig, options, match_by, CountedFrom(start, expected));
   tracker.Start(features(start));
   for (int frame = start + 1; frame < frame_count; ++frame) tracker.Add(features(frame));
   Odometry odometry = tracker.Finish();
-  if (start > 0) odometry = WithFramesBefore(start, features, rig, options, match_by, odometry);
+  if (start > 0) {
+    odometry = WithFramesBefore(start, features, rig, options, match_by, expected, odometry);
+  }
   SetPredictionCovariances(odometry, {options.speed_change_share, options.turn_change_rad_per_s});
   return odometry;
 }

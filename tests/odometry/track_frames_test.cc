@@ -249,6 +249,45 @@ TEST(TrackFrames, FindsTheWayWhereFramesAreMissing) {
   EXPECT_LT(WorstPosition_m(rover, odometry), kMaxPosition_m);
 }
 
+TEST(TrackFrames, ExpectedMotionStandsWhereTheMotionSoFarWould) {
+  // A turn within one step, and descriptors of ten kinds: they tell points apart only near the
+  // place where one is looked for.
+  std::vector<Rigid3> path;
+  for (int i = 0; i < 8; ++i) path.push_back(RoverPose(0.2 * i, 0.0, i < 5 ? 0.0 : 0.5));
+  SyntheticRover rover = Rover(path);
+  for (std::size_t f = 0; f < rover.frames.size(); ++f) {
+    for (std::size_t k = 0; k < rover.point_of_feature[f].size(); ++k) {
+      const int kind = rover.point_of_feature[f][k] % 10;
+      rover.frames[f].descriptors[k].fill(static_cast<std::uint8_t>(25 * kind));
+    }
+  }
+  const auto features = [&](int frame) { return rover.frames[frame]; };
+  OdometryOptions options;
+  options.search_radius_px = 4.0;
+  const auto track = [&](const ExpectedMotion& expected) {
+    return TrackFrames(8, features, rover.rig, options, MatchBy::kDescriptors, expected);
+  };
+  EXPECT_EQ(track({})[5].source, PoseSource::kPredicted);
+  const Odometry odometry =
+      track([&](int from, int to) { return path[to].Inverse() * path[from]; });
+  ExpectAllPosed(odometry);
+  EXPECT_LT(WorstPosition_m(rover, odometry), kMaxPosition_m);
+}
+
+TEST(TrackFrames, WhereNothingIsSeenTheExpectedMotionIsThePrediction) {
+  std::vector<Rigid3> path;
+  for (int i = 0; i < 8; ++i) path.push_back(RoverPose(0.2 * i, 0.0, i < 6 ? 0.0 : 0.3));
+  SyntheticRover rover = Rover(path);
+  for (int frame : {6, 7}) Blacken(rover.frames[frame]);
+  const auto features = [&](int frame) { return rover.frames[frame]; };
+  const Odometry odometry =
+      TrackFrames(8, features, rover.rig, {}, MatchBy::kDescriptors,
+                  [&](int from, int to) { return path[to].Inverse() * path[from]; });
+  EXPECT_EQ(odometry[7].source, PoseSource::kPredicted);
+  EXPECT_LT(WorstTurn_rad(rover, odometry), kMaxTurn_rad);
+  EXPECT_LT(WorstPosition_m(rover, odometry), kMaxPosition_m);
+}
+
 TEST(TrackFrames, FewAndEmptyFrames) {
   SyntheticRover rover = MakeSyntheticRover({.frames = 4, .pixel_sigma = kPixelSigma});
   const auto features = [&](int frame) { return rover.frames[frame]; };

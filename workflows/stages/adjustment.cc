@@ -36,8 +36,8 @@ struct Adjuster {
 
   // With the rig that `part` has found to be the right one.
   AdjustedPart WithItsRig(const AdjustedPart& part) const {
-    AdjustedPart anew = From({}, TrackWith(part.adjustment.rig), part.adjustment.refined,
-                             part.adjustment.rig_correction);
+    AdjustedPart anew =
+        From({}, TrackWith(part), part.adjustment.refined, part.adjustment.rig_correction);
     anew.remarks.push_back(
         "the images contradict the calibration: the rig was corrected (rig_refined.yaml), the "
         "odometry done anew with it");
@@ -57,10 +57,15 @@ struct Adjuster {
     return LayInWorld(dataset, steps, adjustment);
   }
 
+  // With the part's rig, near its poses: a step that was once lost was found by the matches since.
   // Which frames are keyframes stays as it was: they have been matched.
-  Odometry TrackWith(const StereoRig& rig) const {
-    Odometry steps =
-        TrackFrames(features.frame_count(), features.AsSource(), rig, odometry_options);
+  Odometry TrackWith(const AdjustedPart& part) const {
+    const auto expected = [&](int from, int to) {
+      return std::optional(part.trajectory[to].world_from_left.Inverse() *
+                           part.trajectory[from].world_from_left);
+    };
+    Odometry steps = TrackFrames(features.frame_count(), features.AsSource(), part.adjustment.rig,
+                                 odometry_options, MatchBy::kDescriptors, expected);
     for (std::size_t i = 0; i < steps.size(); ++i) steps[i].keyframe = odometry[i].keyframe;
     return steps;
   }

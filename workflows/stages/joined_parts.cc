@@ -32,11 +32,28 @@ Report ReportFeatures(const FeatureIndex& index, const Dataset&, const JoinedPar
   return {{"health", {{"unreadable_images", index.unreadable_images}}}};
 }
 
+// What parts have found between two frames that they have both.
+ExpectedMotion MotionInParts(const JoinedParts& parts) {
+  return [&parts](int from, int to) -> std::optional<Rigid3> {
+    for (const JoinedParts::Part& part : parts.parts) {
+      const auto find = [&](int frame) {
+        const auto at = std::ranges::lower_bound(part.world_from_left, frame, {},
+                                                 &std::pair<int, Rigid3>::first);
+        return at != part.world_from_left.end() && at->first == frame ? &at->second : nullptr;
+      };
+      const Rigid3 *world_from_a = find(from), *world_from_b = find(to);
+      if (world_from_a && world_from_b) return world_from_b->Inverse() * *world_from_a;
+    }
+    return std::nullopt;
+  };
+}
+
 Odometry MakeOdometry(const StageContext&, const Dataset& dataset, const FeatureStore& features,
                       const JoinedParts& parts, const OdometryOptions& options,
                       const DeadReckoningOptions& rover, const FilterOptions& filter) {
   auto [odometry, bridged] = BridgeGaps(
-      dataset, TrackAll(dataset, features, options, MatchBy::kDescriptors), rover, filter);
+      dataset, TrackAll(dataset, features, options, MatchBy::kDescriptors, MotionInParts(parts)),
+      rover, filter);
   if (!bridged.empty()) {
     spdlog::warn("{} frames are posed by wheels and gyro: the images lost their way",
                  bridged.size());

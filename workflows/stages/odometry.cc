@@ -29,13 +29,14 @@ void PublishOdometry(Publication& publication, const StageContext&, const Odomet
 }  // namespace
 
 Odometry TrackAll(const Dataset& dataset, const FeatureStore& features,
-                  const OdometryOptions& options, MatchBy match_by) {
+                  const OdometryOptions& options, MatchBy match_by,
+                  const ExpectedMotion& expected) {
   Progress progress("odometry", dataset.frames.size());
   const auto load = [&](int frame) {
     progress.Set(static_cast<std::size_t>(frame) + 1);
     return features.Get(frame);
   };
-  return TrackFrames(features.frame_count(), load, dataset.rig, options, match_by);
+  return TrackFrames(features.frame_count(), load, dataset.rig, options, match_by, expected);
 }
 
 OdometryStage VisualOdometry() {

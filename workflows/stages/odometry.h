@@ -18,6 +18,7 @@ Odometry ReadJoinableOdometry(const std::filesystem::path& root);
 
 // Poses all frames of the store.
 Odometry TrackAll(const Dataset& dataset, const FeatureStore& features,
-                  const OdometryOptions& options, MatchBy match_by);
+                  const OdometryOptions& options, MatchBy match_by,
+                  const ExpectedMotion& expected = {});
 
 }  // namespace rigmap
