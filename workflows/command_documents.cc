@@ -109,7 +109,9 @@ void AddExamples(CLI::App& app) {
     const std::string examples = ExamplesOf(command->get_name());
     if (examples.empty()) continue;
     const std::string rest = command->get_footer();
-    command->footer(rest.empty() ? examples : examples + "\n" + rest);
+    const std::string whole = rest.empty() ? examples : examples + "\n" + rest;
+    // A footer that is a function is printed beside one that is text.
+    command->footer([whole] { return whole; });
   }
 }
 

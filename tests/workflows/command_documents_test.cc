@@ -47,6 +47,10 @@ TEST(CommandDocuments, HelpHasExamples) {
     EXPECT_EQ(end.exit_code, 0);
     EXPECT_THAT(end.out,
                 AllOf(HasSubstr("Examples:\n"), HasSubstr("rigmap " + std::string(command))));
+    const std::size_t options = end.out.find("Options for --set");
+    if (options != std::string::npos) {
+      EXPECT_EQ(end.out.find("Options for --set", options + 1), std::string::npos) << command;
+    }
   }
 }
 

@@ -1,0 +1,178 @@
+// `--use-rtk` beside fixes that are good, and that are spoilt in the ways receivers spoil them.
+#include "workflows/stages/satellite_fixes.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <iostream>
+#include <nlohmann/json.hpp>
+
+#include "core/error.h"
+#include "geometry/alignment.h"
+#include "georeference/local_frame.h"
+#include "tests/support/antenna_drive.h"
+#include "tests/support/message_of.h"
+
+namespace rigmap {
+namespace {
+
+using nlohmann::json;
+using testing::HasSubstr;
+
+const Geodetic kKatwijk{52.21, 4.40, 3.0};
+constexpr double kClock_s = 0.7;
+
+struct Outcome {
+  json report;
+  double error_m = 0.0;  // of the antenna, root mean square once laid on the truth
+};
+
+class SatelliteFixes : public testing::Test {
+ protected:
+  SatelliteFixes() {
+    const LocalFrame frame(kKatwijk);
+    for (const AntennaFix& fix : drive_.Fixes(kClock_s)) {
+      const Geodetic at = frame.ToGeodetic(fix.x_in_enu);
+      fixes_.push_back({.stamp_ns = static_cast<StampNs>(1e9 * fix.time_s),
+                        .status = std::string(kRtkFixed),
+                        .latitude_deg = at.latitude_deg,
+                        .longitude_deg = at.longitude_deg,
+                        .altitude_m = at.altitude_m,
+                        .sigma_enu_m = fix.sigma_m});
+    }
+  }
+
+  // Fixes between two times, moved by so much to the east.
+  void Move(double from_s, double to_s, double east_m) {
+    const LocalFrame frame(kKatwijk);
+    for (GnssFix& fix : fixes_) {
+      const double time_s = 1e-9 * static_cast<double>(fix.stamp_ns);
+      if (time_s < from_s || time_s > to_s) continue;
+      Eigen::Vector3d enu = frame.ToEnu({fix.latitude_deg, fix.longitude_deg, fix.altitude_m});
+      enu.x() += east_m;
+      const Geodetic moved = frame.ToGeodetic(enu);
+      fix.latitude_deg = moved.latitude_deg;
+      fix.longitude_deg = moved.longitude_deg;
+    }
+  }
+
+  Outcome Tie(const Eigen::Vector3d& antenna = kAntenna, double max_clock_offset_s = 3.0) const {
+    Dataset dataset;
+    dataset.rig.antenna_in_left = antenna;
+    AdjustedPart part{.trajectory = drive_.images};
+    part.adjustment.world_from_left.resize(drive_.images.size());
+    part.adjustment.scale_sigma = 0.003;
+    JoinedParts parts{.parts = {{.name = "1.1"}}};
+    parts.first_part.resize(drive_.images.size(), 0);
+    const TiedPart tied = TieToFixes().make({}, dataset, part, parts, SplitByTurns(fixes_),
+                                            {.max_clock_offset_s = max_clock_offset_s});
+    return {json::parse(tied.report), Error(tied.part.trajectory)};
+  }
+  double ErrorOfImages() const { return Error(drive_.images); }
+
+  AntennaDrive drive_;
+  std::vector<GnssFix> fixes_;
+
+ private:
+  // A heading and a shift are nobody's fault: the best ones are taken.
+  double Error(const Trajectory& poses) const {
+    std::vector<Eigen::Vector3d> found, true_places;
+    for (std::size_t i = 0; i < poses.size(); ++i) {
+      found.push_back(poses[i].world_from_left * kAntenna);
+      true_places.push_back(drive_.truth[i].world_from_left * kAntenna);
+    }
+    const Sim3 motion = AlignPoints(found, true_places, false);
+    double sum = 0.0;
+    for (std::size_t i = 0; i < found.size(); ++i) {
+      sum += (motion * found[i] - true_places[i]).squaredNorm();
+    }
+    return std::sqrt(sum / static_cast<double>(found.size()));
+  }
+};
+
+TEST_F(SatelliteFixes, ClockAndLeverArmCount) {
+  const Outcome good = Tie();
+  ASSERT_TRUE(good.report["used"]) << good.report.dump();
+  EXPECT_NEAR(good.report["clock_offset_s"].get<double>(), kClock_s, 0.03);
+  ASSERT_EQ(good.report["clocks"].size(), 1U);
+  EXPECT_FALSE(good.report["clocks"][0]["weak"]);
+  EXPECT_LT(good.error_m, 0.3 * ErrorOfImages());
+  // Where one of them is not corrected, and no judge objects, the path is worse.
+  const Outcome no_clock = Tie(kAntenna, 1e-3), no_arm = Tie(Eigen::Vector3d::Zero());
+  std::cout << "images " << ErrorOfImages() << " m, tied " << good.error_m << " m, without clock "
+            << no_clock.error_m << " m, without lever arm " << no_arm.error_m << " m\n";
+  EXPECT_GT(no_clock.error_m, 2.0 * good.error_m);
+  EXPECT_GT(no_arm.error_m, 2.0 * good.error_m);
+}
+
+TEST_F(SatelliteFixes, AJumpIsLeftOut) {
+  const double good_m = Tie().error_m;
+  Move(60.0, 69.0, 5.0);  // of a turn that ties
+  const Outcome outcome = Tie();
+  ASSERT_TRUE(outcome.report["used"]) << outcome.report.dump();
+  EXPECT_GE(outcome.report["not_believed"].get<int>(), 4);
+  EXPECT_LT(outcome.error_m, 2.0 * good_m);
+}
+
+TEST_F(SatelliteFixes, TwoMetresOverTwentyAreNotBelieved) {
+  const double good_m = Tie().error_m;
+  Move(60.0, 160.0, 2.0);  // half of the way, so that hardly a majority is right
+  const Outcome outcome = Tie();
+  if (outcome.report["used"]) {
+    EXPECT_GE(outcome.report["not_believed"].get<int>(), 20);
+    EXPECT_LT(outcome.error_m, 2.0 * good_m);
+  } else {
+    EXPECT_NEAR(outcome.error_m, ErrorOfImages(), 1e-9);
+  }
+}
+
+TEST_F(SatelliteFixes, AGapIsBridgedByTheImages) {
+  const double good_m = Tie().error_m;
+  std::erase_if(fixes_, [](const GnssFix& fix) {
+    return fix.stamp_ns > 70'000'000'000 && fix.stamp_ns < 130'000'000'000;
+  });
+  const Outcome outcome = Tie();
+  ASSERT_TRUE(outcome.report["used"]) << outcome.report.dump();
+  EXPECT_LT(outcome.error_m, 3.0 * good_m);
+}
+
+TEST_F(SatelliteFixes, FloatIsCountedAndLeftOut) {
+  const double good_m = Tie().error_m;
+  Move(0.0, 50.0, 0.6);
+  int spoilt = 0;
+  for (GnssFix& fix : fixes_) {
+    if (fix.stamp_ns > 50'000'000'000) continue;
+    fix.status = "RTK_FLOAT";
+    ++spoilt;
+  }
+  ASSERT_GT(spoilt, 20);
+  const Outcome outcome = Tie();
+  ASSERT_TRUE(outcome.report["used"]) << outcome.report.dump();
+  EXPECT_GT(outcome.report["not_rtk_fixed"].get<int>(), spoilt / 3);
+  EXPECT_EQ(outcome.report["not_believed"], 0);
+  EXPECT_LT(outcome.error_m, 3.0 * good_m);
+}
+
+TEST_F(SatelliteFixes, SwappedColumnsAreNotUsed) {
+  for (GnssFix& fix : fixes_) std::swap(fix.latitude_deg, fix.longitude_deg);
+  const Outcome outcome = Tie();
+  EXPECT_FALSE(outcome.report["used"]) << outcome.report.dump();
+  EXPECT_GT(outcome.report["why_not"].get<std::string>().size(), 20U);
+  EXPECT_NEAR(outcome.error_m, ErrorOfImages(), 1e-9);
+}
+
+TEST_F(SatelliteFixes, AreAskedForWithAnAntenna) {
+  const auto tie = [&](const Dataset& dataset, const SplitFixes& fixes) {
+    TieToFixes().make({}, dataset, {}, {}, fixes, {});
+  };
+  Dataset dataset;
+  dataset.rig.source = "calib.yaml";
+  EXPECT_THAT(MessageOf<DataError>([&] { tie(dataset, SplitByTurns(fixes_)); }),
+              HasSubstr("calib.yaml: --use-rtk: expected the antenna's place"));
+  dataset.rig.antenna_in_left = kAntenna;
+  EXPECT_THAT(MessageOf<DataError>([&] { tie(dataset, {}); }),
+              HasSubstr("expected satellite fixes beside the images, found none"));
+}
+
+}  // namespace
+}  // namespace rigmap
