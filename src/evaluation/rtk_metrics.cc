@@ -5,6 +5,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "core/statistics.h"
 #include "evaluation/internal/rounded.h"
 
 namespace rigmap {
@@ -52,10 +53,15 @@ void MeasureResiduals(const FixErrors& found, std::span<const FixPair> pairs, in
   const auto count = static_cast<double>(pairs.size());
   const Eigen::Vector3d variance = MeanVariance(pairs);
   double horizontal = 0.0, height = 0.0;
+  std::vector<double> distances_m, heights_m;
   for (const Eigen::Vector3d& error : found.errors_m) {
     horizontal += error.head<2>().squaredNorm();
     height += error.z() * error.z();
+    distances_m.push_back(error.head<2>().norm());
+    heights_m.push_back(std::abs(error.z()));
   }
+  metrics.ce90_m = InterpolatedQuantile(distances_m, 0.9);
+  metrics.le90_m = InterpolatedQuantile(heights_m, 0.9);
   metrics.horizontal_rms_m = {
       RootMean(horizontal, count),
       std::sqrt(variance.head<2>().sum() * std::max(0.0, 1.0 - 0.5 * fitted / count))};
@@ -151,6 +157,8 @@ nlohmann::ordered_json ToJson(const RtkMetrics& metrics) {
   }
   json["height_rms_m"] = Rounded(metrics.height_rms_m.value, 4);
   json["height_noise_m"] = Rounded(metrics.height_rms_m.noise, 4);
+  json["ce90_m"] = Rounded(metrics.ce90_m, 4);
+  json["le90_m"] = Rounded(metrics.le90_m, 4);
   json["height_drift_pct"] = Rounded(metrics.height_drift_pct, 4);
   json["height_drift_noise_pct"] = Rounded(metrics.height_drift_noise_pct, 4);
   if (metrics.scale) {

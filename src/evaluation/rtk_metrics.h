@@ -32,6 +32,8 @@ struct RtkMetrics {
   double path_m = 0.0;            // horizontal, from fix to fix
   JudgedFigure horizontal_rms_m;  // as the plane was laid
   JudgedFigure height_rms_m;      // about their mean: the world's z is up
+  // Of 90 in 100 fixes: horizontal and height errors (about their mean) are no larger.
+  double ce90_m = 0.0, le90_m = 0.0;
   double height_drift_pct = 0.0;  // slope of the height's error over the way
   double height_drift_noise_pct = 0.0;
   std::optional<JudgedFigure> scale;  // truth / estimate in the plane; nothing without a path
@@ -42,7 +44,7 @@ struct RtkMetrics {
 std::optional<RtkMetrics> CompareRtk(std::span<const FixPair> pairs, const RtkAlignment& alignment);
 
 // Keys of evaluation.json's `rtk`: path_m, rms_pct, noise_m, noise_pct, height_rms_m,
-// height_noise_m, height_drift_pct, height_drift_noise_pct, scale, scale_noise, scale_error_pct,
+// height_noise_m, ce90_m, le90_m, height_drift_pct, height_drift_noise_pct, scale, scale_noise, scale_error_pct,
 // and `drift`, a list of segment_m, count, horizontal_pct, horizontal_noise_pct, height_pct,
 // height_noise_pct.
 nlohmann::ordered_json ToJson(const RtkMetrics& metrics);

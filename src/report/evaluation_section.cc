@@ -35,6 +35,8 @@ constexpr std::array kKnownKeys{
     KnownKey{"used", "Fixes used"},
     KnownKey{"rejected", "Fixes rejected"},
     KnownKey{"rms_residual_m", "Distance of the fixes from the path, RMS, horizontal"},
+    KnownKey{"ce90_m", "CE90: 90 in 100 fixes lie within, horizontally"},
+    KnownKey{"le90_m", "LE90: 90 in 100 lie within, vertically"},
     KnownKey{"clock_offset_s", "Clock of the fixes less that of the images"},
     KnownKey{"clock_offset_sigma_s", "Sigma of that"},
     KnownKey{"heading_deg", "World's x from east, counterclockwise"},

@@ -48,6 +48,9 @@ TEST(CompareRtk, FindsNoMoreThanTheNoiseOfTheFixesInATruePath) {
   EXPECT_NEAR(metrics->horizontal_rms_m.noise, std::hypot(0.004, 0.005), 1e-4);
   EXPECT_NEAR(metrics->horizontal_rms_m.value / metrics->horizontal_rms_m.noise, 1.0, 0.15);
   EXPECT_NEAR(metrics->height_rms_m.value / metrics->height_rms_m.noise, 1.0, 0.2);
+  // Of normal noise: Rayleigh's 2.146 sigmas (of both axes alike, about), and 1.645.
+  EXPECT_NEAR(metrics->ce90_m / (2.146 * std::hypot(0.004, 0.005) / std::sqrt(2.0)), 1.0, 0.15);
+  EXPECT_NEAR(metrics->le90_m / (1.645 * 0.009), 1.0, 0.2);
   EXPECT_LT(std::abs(metrics->scale->value - 1.0), 4.0 * metrics->scale->noise);
   EXPECT_LT(std::abs(metrics->height_drift_pct), 4.0 * metrics->height_drift_noise_pct);
   ASSERT_EQ(metrics->drift.size(), 5U);
@@ -97,6 +100,8 @@ TEST(CompareRtk, PutsTheNoiseBesideEachFigure) {
     EXPECT_TRUE(json.contains(figure) && json.contains(noise)) << json;
     EXPECT_GT(json[noise], 0.0);
   }
+  EXPECT_GT(json["ce90_m"], 0.0);
+  EXPECT_GT(json["le90_m"], 0.0);
   ASSERT_EQ(json["drift"].size(), 2U);
   EXPECT_EQ(json["drift"][1]["segment_m"], 10.0);
   EXPECT_GT(json["drift"][1]["height_noise_pct"], 0.0);
