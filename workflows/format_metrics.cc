@@ -54,11 +54,29 @@ bool IsTable(const ordered_json& value) {
          std::all_of(value.begin(), value.end(), [](const auto& row) { return row.is_object(); });
 }
 
+// What tells steps apart, of all that is known of each.
+ordered_json RowsOfSteps(const ordered_json& steps) {
+  ordered_json rows = ordered_json::array();
+  for (const auto& [name, step] : steps.items()) {
+    ordered_json row{{"step", name}};
+    for (const char* key :
+         {"ate_se3_m", "ate_se3_pct", "scale_error_pct", "rpe_t_pct", "rms_se2_m", "rms_se2_pct",
+          "rtk/rms_residual_m", "rtk/ce90_m", "rtk/height_rms_m", "rtk/scale_error_pct"}) {
+      const ordered_json::json_pointer pointer(fmt::format("/{}", key));
+      if (step.contains(pointer)) row[key] = step[pointer];
+    }
+    rows.push_back(std::move(row));
+  }
+  return rows;
+}
+
 }  // namespace
 
 std::string FormatMetrics(const ordered_json& metrics) {
+  ordered_json all = metrics;
+  if (all.contains("steps") && all["steps"].is_object()) all["steps"] = RowsOfSteps(all["steps"]);
   Lines lines;
-  Collect(metrics, "", lines);
+  Collect(all, "", lines);
   std::size_t width = 16;
   for (const auto& [name, value] : lines) width = std::max(width, name.size());
   std::string text;

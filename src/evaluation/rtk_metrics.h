@@ -44,9 +44,9 @@ struct RtkMetrics {
 std::optional<RtkMetrics> CompareRtk(std::span<const FixPair> pairs, const RtkAlignment& alignment);
 
 // Keys of evaluation.json's `rtk`: path_m, rms_pct, noise_m, noise_pct, height_rms_m,
-// height_noise_m, ce90_m, le90_m, height_drift_pct, height_drift_noise_pct, scale, scale_noise, scale_error_pct,
-// and `drift`, a list of segment_m, count, horizontal_pct, horizontal_noise_pct, height_pct,
-// height_noise_pct.
+// height_noise_m, ce90_m, le90_m, height_drift_pct, height_drift_noise_pct, scale, scale_noise,
+// scale_error_pct, and `drift`, a list of segment_m, count, horizontal_pct, horizontal_noise_pct,
+// height_pct, height_noise_pct.
 nlohmann::ordered_json ToJson(const RtkMetrics& metrics);
 
 }  // namespace rigmap

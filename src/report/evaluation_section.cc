@@ -132,6 +132,34 @@ std::string ListTable(const FigureSource& source, const std::string& pointer) {
       headings, rows);
 }
 
+// A row for each step, of what tells them apart.
+std::string StepsTable(const FigureSource& source, const std::string& pointer) {
+  constexpr std::array kColumns{"ate_se3_m",          "ate_se3_pct", "scale_error_pct",
+                                "rpe_t_pct",          "rms_se2_m",   "rms_se2_pct",
+                                "rtk/rms_residual_m", "rtk/ce90_m",  "rtk/height_rms_m",
+                                "rtk/scale_error_pct"};
+  const Json& steps = At(source.json, pointer);
+  std::vector<std::string> columns, headings{"After"};
+  for (const std::string column : kColumns) {
+    const Json::json_pointer key(fmt::format("/{}", column));
+    if (std::ranges::none_of(steps, [&](const Json& step) { return step.contains(key); })) continue;
+    columns.push_back(column);
+    const bool is_rtk = column.starts_with("rtk/");
+    headings.push_back(is_rtk ? "RTK: " + Readable(column.substr(4)) : Readable(column));
+  }
+  HtmlTable table(headings);
+  for (const auto& [name, step] : steps.items()) {
+    std::vector<std::string> cells{Readable(name)};
+    for (const std::string& column : columns) {
+      const std::string at = fmt::format("{}{}/{}", pointer, PointerStep(name), column);
+      const Json& value = At(source.json, at);
+      cells.push_back(value.is_null() ? "&ndash;" : CellOf(source, at, column));
+    }
+    table.Row(cells);
+  }
+  return table.Text();
+}
+
 bool IsListOfObjects(const Json& value) {
   return value.is_array() && !value.empty() && value[0].is_object();
 }
@@ -147,7 +175,7 @@ std::string ObjectTables(const FigureSource& source, const std::string& pointer,
     };
     if (key == "steps") {
       inner += fmt::format("<details><summary>What each step adds</summary>{}</details>\n",
-                           ObjectTables(source, at, depth + 1));
+                           StepsTable(source, at));
     } else if (value.is_object()) {
       inner += under(ObjectTables(source, at, depth + 1));
     } else if (IsListOfObjects(value)) {

@@ -49,11 +49,11 @@ std::string HtmlSection(const char* id, const char* title, const std::string& le
   return fmt::format("<section id=\"{}\">\n<h2>{}</h2>\n{}{}</section>\n", id, title, said, body);
 }
 
-HtmlTable::HtmlTable(std::initializer_list<const char*> headings) {
-  for (const char* heading : headings) headings_ += fmt::format("<th>{}</th>", heading);
+HtmlTable::HtmlTable(const std::vector<std::string>& headings) {
+  for (const std::string& heading : headings) headings_ += fmt::format("<th>{}</th>", heading);
 }
 
-void HtmlTable::Row(std::initializer_list<std::string> cells, const char* row_class) {
+void HtmlTable::Row(const std::vector<std::string>& cells, const char* row_class) {
   rows_ += *row_class ? fmt::format("<tr class=\"{}\">", row_class) : "<tr>";
   for (const std::string& cell : cells) rows_ += fmt::format("<td>{}</td>", cell);
   rows_ += "</tr>\n";

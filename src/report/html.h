@@ -3,6 +3,7 @@
 
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace rigmap {
 
@@ -20,8 +21,8 @@ std::string HtmlSection(const char* id, const char* title, const std::string& le
 // A table with a heading row; cells are HTML. Wide ones scroll by themselves.
 class HtmlTable {
  public:
-  explicit HtmlTable(std::initializer_list<const char*> headings);
-  void Row(std::initializer_list<std::string> cells, const char* row_class = "");
+  explicit HtmlTable(const std::vector<std::string>& headings);
+  void Row(const std::vector<std::string>& cells, const char* row_class = "");
   bool empty() const { return rows_.empty(); }
   std::string Text() const;
 

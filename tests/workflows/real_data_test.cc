@@ -69,6 +69,11 @@ TEST_F(RealData, BeachPartIsMetric) {
   EXPECT_GT(ReadPly(out_ / "dense.ply").size(), 20000U);
 
   EXPECT_GT(metrics["rtk"]["used"], 5);
+  // Each step by truth and fixes; the last is the result.
+  EXPECT_EQ(metrics["steps"]["adjustment"]["rtk"], metrics["rtk"]);
+  EXPECT_GT(metrics["steps"]["odometry"]["rtk"]["ce90_m"], 0.0);
+  EXPECT_THAT(RunRigmap({"evaluate", out_}).out,
+              testing::ContainsRegex("adjustment +[0-9.e-]+ .*\n"));
 
   const fs::path scorers = data_ / ".." / "score";
   if (!fs::exists(scorers) || !fs::exists(kPython)) {

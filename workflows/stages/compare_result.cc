@@ -93,22 +93,43 @@ nlohmann::ordered_json CompareWithTruth(const std::vector<TumPose>& estimate,
   return json;
 }
 
+namespace {
+
+// A trajectory laid on fixes; `described` has the keys of `rtk`.
+struct OnFixes {
+  RtkFit fit;
+  nlohmann::ordered_json described = nlohmann::ordered_json::object();
+};
+
+OnFixes LayOnFixes(const std::vector<GnssFix>& fixes, const Trajectory& trajectory,
+                   const Eigen::Vector3d& antenna_in_left, const RtkAlignmentOptions& options) {
+  OnFixes on{AlignToRtk(fixes, trajectory, antenna_in_left, options)};
+  if (on.fit.alignment) on.described = ToJson(*on.fit.alignment);
+  if (!on.fit.why.empty()) on.described["why"] = on.fit.why;
+  if (!on.fit.alignment) return on;
+  const auto pairs = PairFixes(fixes, trajectory, antenna_in_left, *on.fit.alignment, options);
+  if (const auto metrics = CompareRtk(pairs, *on.fit.alignment)) {
+    on.described.update(ToJson(*metrics));
+  }
+  return on;
+}
+
+}  // namespace
+
+nlohmann::ordered_json CompareWithFixes(const Trajectory& trajectory, const StereoRig& rig,
+                                        const std::vector<GnssFix>& fixes,
+                                        const RtkAlignmentOptions& options) {
+  if (fixes.empty() || !rig.antenna_in_left) return nullptr;
+  return LayOnFixes(fixes, trajectory, *rig.antenna_in_left, options).described;
+}
+
 nlohmann::ordered_json CompareWithSurvey(const SurveyedResult& result,
                                          const SurveyOptions& options) {
   const auto& antenna_in_left = result.rig.antenna_in_left;
   if (result.truth.fixes.empty() || !antenna_in_left) return nullptr;
-  const RtkFit fit =
-      AlignToRtk(result.truth.fixes, result.trajectory, *antenna_in_left, options.alignment);
-  nlohmann::ordered_json json;
-  json["rtk"] = fit.alignment ? ToJson(*fit.alignment) : nlohmann::ordered_json::object();
-  if (!fit.why.empty()) json["rtk"]["why"] = fit.why;
-  if (fit.alignment) {
-    const auto pairs = PairFixes(result.truth.fixes, result.trajectory, *antenna_in_left,
-                                 *fit.alignment, options.alignment);
-    if (const auto metrics = CompareRtk(pairs, *fit.alignment)) {
-      json["rtk"].update(ToJson(*metrics));
-    }
-  }
+  const auto [fit, described] =
+      LayOnFixes(result.truth.fixes, result.trajectory, *antenna_in_left, options.alignment);
+  nlohmann::ordered_json json{{"rtk", described}};
   std::error_code ignored;
   const auto& rocks = result.truth.surveyed_rocks;
   if (!fit.alignment || rocks.empty() || !fs::exists(result.map_ply, ignored)) return json;

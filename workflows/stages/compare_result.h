@@ -55,10 +55,14 @@ struct SurveyOptions {
   const RockSurveyOptions& survey;
 };
 
-// `rtk`: how the trajectory lies on the satellite fixes and how far from them (rtk_metrics.h), or
-// why it cannot be laid there; and where
-// it can and there are surveyed rocks, `surveyed_rocks` (rock_survey.h). Null where there are no
-// fixes.
+// How the trajectory lies on the satellite fixes and how far from them (rtk_metrics.h), or why it
+// cannot be laid there. Null where there are no fixes.
+nlohmann::ordered_json CompareWithFixes(const Trajectory& trajectory, const StereoRig& rig,
+                                        const std::vector<GnssFix>& fixes,
+                                        const RtkAlignmentOptions& options);
+
+// `rtk`: as CompareWithFixes; and where it can be laid there and there are surveyed rocks,
+// `surveyed_rocks` (rock_survey.h). Null where there are no fixes.
 nlohmann::ordered_json CompareWithSurvey(const SurveyedResult& result,
                                          const SurveyOptions& options);
 

@@ -24,10 +24,15 @@ EvaluationTexts MakeMetrics(const StageContext& context, const Dataset& dataset,
   Report metrics;
   if (!truth.path.empty()) {
     metrics = CompareWithTruth(PosesOf(part.trajectory), truth.path, map, options);
-    for (const Step& step : steps) {
-      metrics["steps"][step.name] =
-          CompareWithTruth(PosesOf(step.trajectory), truth.path, {}, options);
+  }
+  for (const Step& step : steps) {
+    Report of_step;
+    if (!truth.path.empty()) {
+      of_step = CompareWithTruth(PosesOf(step.trajectory), truth.path, {}, options);
     }
+    const Report rtk = CompareWithFixes(step.trajectory, dataset.rig, truth.fixes, alignment);
+    if (!rtk.is_null()) of_step["rtk"] = rtk;
+    if (!of_step.is_null()) metrics["steps"][step.name] = of_step;
   }
   const SurveyedResult result{part.trajectory, dataset.rig, truth, map};
   const Report surveyed = CompareWithSurvey(result, {alignment, segmentation, survey});
