@@ -76,15 +76,15 @@ class SatelliteFixes : public testing::Test {
  private:
   // A heading and a shift are nobody's fault: the best ones are taken.
   double Error(const Trajectory& poses) const {
-    std::vector<Eigen::Vector3d> found, true_places;
+    std::vector<Eigen::Vector3d> found, in_truth;
     for (std::size_t i = 0; i < poses.size(); ++i) {
       found.push_back(poses[i].world_from_left * kAntenna);
-      true_places.push_back(drive_.truth[i].world_from_left * kAntenna);
+      in_truth.push_back(drive_.truth[i].world_from_left * kAntenna);
     }
-    const Sim3 motion = AlignPoints(found, true_places, false);
+    const Sim3 motion = AlignPoints(found, in_truth, false);
     double sum = 0.0;
     for (std::size_t i = 0; i < found.size(); ++i) {
-      sum += (motion * found[i] - true_places[i]).squaredNorm();
+      sum += (motion * found[i] - in_truth[i]).squaredNorm();
     }
     return std::sqrt(sum / static_cast<double>(found.size()));
   }
