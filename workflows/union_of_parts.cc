@@ -80,6 +80,7 @@ class Uniter {
       const bool is_new = i == 0 || StampOf(frames_[i]) != StampOf(frames_[i - 1]);
       is_new ? AddFrame(frames_[i]) : AddAgain(frames_[i]);
     }
+    CountImages();
     AddSensors();
     AddTrajectories();
     return std::move(result_);
@@ -101,7 +102,6 @@ class Uniter {
     const auto& px = part.frames.features.epipolar_px;
     result_.parts.epipolar_px.insert(result_.parts.epipolar_px.end(), px.begin(), px.end());
     DatasetHealth& health = result_.dataset.health;
-    health.images_read += dataset.health.images_read;
     const auto append = [](const auto& from, auto& to) {
       for (const auto& text : from) {
         if (!std::ranges::count(to, text)) to.push_back(text);
@@ -126,6 +126,14 @@ class Uniter {
     }
     result_.depths.of_frames.emplace_back();
     AddDepth(f);
+  }
+
+  // Parts cut from one folder have all seen all of its images.
+  void CountImages() {
+    DatasetHealth& health = result_.dataset.health;
+    health.images_read =
+        static_cast<int>(2 * result_.dataset.frames.size() + health.lone_images.size() +
+                         health.unreadable_images.size());
   }
 
   // The frame before it, which an earlier part has as well.

@@ -69,7 +69,8 @@ std::string CorrelationDrawing(const Json& calibration) {
              }) +
          "<figcaption>How the parameters' errors go together, as the images alone leave them: full "
          "colour is a correlation of \u00b11, the second colour a negative one. A pair in full "
-         "colour cannot be told apart on this path. Columns as rows.</figcaption></figure>\n";
+         "colour cannot be told apart on this path. Columns are in the order of the "
+         "rows.</figcaption></figure>\n";
 }
 
 std::string CorrectionTable(const FigureSource& summary) {
@@ -84,7 +85,8 @@ std::string CorrectionTable(const FigureSource& summary) {
   for (int axis = 0; axis < 3; ++axis) {
     row(fmt::format("Right camera turned about its {}", "xyz"[axis]).c_str(),
         Figure(summary, fmt::format("/rig/right_eye_turned_deg/{}", axis), Quantity::kDegrees),
-        axis == 1 ? "changes all depths" : "changes rows");
+        axis == 1 ? "changes all depths, but for what a shift of the image centre takes back"
+                  : "changes rows");
   }
   row("Focal length changed", Figure(summary, "/rig/focal_changed_pct", Quantity::kPercent),
       "of the left camera");
@@ -174,8 +176,8 @@ std::string ResidualField(const PartContent& content) {
   }
   return fmt::format(
       "<figure>{}<figcaption>Residual field: mean of measured less projected positions over the "
-      "left image, the longest arrow {:.3f} px. Without a pattern the camera model "
-      "fits.</figcaption></figure>\n",
+      "left image, the longest arrow {:.3f} px. The camera model fits where "
+      "neighbouring arrows have nothing in common.</figcaption></figure>\n",
       DrawingText(kWidth_px, height_px, "mean residuals over the image", arrows), largest_px);
 }
 

@@ -196,6 +196,12 @@ Json RocksOfView(const PartContent& content) {
   return rocks;
 }
 
+// Techniques that do not check the rig file know of its errors in the verdict only.
+bool IsCalibrationInSigmas(const PartContent& content) {
+  const std::string technique = TextAt(content.folder.summary, "/technique");
+  return technique == "rig" || technique == "join";
+}
+
 }  // namespace
 
 std::string RouteSection(const PartContent& content) {
@@ -212,10 +218,15 @@ std::string RouteSection(const PartContent& content) {
   body +=
       "<h3>Sigma over distance</h3>\n<div data-chart=\"sigmas\"></div>\n"
       "<h3>Height over distance</h3>\n<div data-chart=\"height\"></div>\n";
-  return HtmlSection("route", "The route",
-                     "From above, in metres of the world: x is where the first camera looked. "
-                     "Sigmas are one standard deviation relative to the start.",
-                     body);
+  return HtmlSection(
+      "route", "The route",
+      "From above, in metres of the world: x is where the first camera looked. "
+      "Sigmas are one standard deviation relative to the start" +
+          std::string(IsCalibrationInSigmas(content)
+                          ? "."
+                          : ", of the way from pose to pose alone: what the calibration "
+                            "leaves unknown, which the verdict counts, is not in them."),
+      body);
 }
 
 Json PageData(const PartContent& content) {

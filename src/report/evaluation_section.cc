@@ -30,6 +30,17 @@ constexpr std::array kKnownKeys{
     KnownKey{"segment_m", "Stretches of"},
     KnownKey{"rpe_t_pct", "Drift over a stretch, of its length"},
     KnownKey{"rpe_r_deg_per_m", "Drift of the direction, degrees per metre"},
+    KnownKey{"inside", "Poses in the time of the track"},
+    KnownKey{"rms_se2_m", "Distance from the track, RMS, horizontal, after a rigid motion"},
+    KnownKey{"rms_se2_pct", "The same, of its length"},
+    KnownKey{"max_se2_m", "Largest distance from the track"},
+    KnownKey{"rms_sim2_m", "RMS after a similarity, which hides an error of scale"},
+    KnownKey{"scale_truth_over_est", "Factor that would make the result right"},
+    KnownKey{"lever", "Prism from the left camera, m: right, down, forward"},
+    KnownKey{"lever_sim", "The same after a similarity, m"},
+    KnownKey{"dt_s", "Clock of the track less that of the images"},
+    KnownKey{"dt_sim", "The same after a similarity, s"},
+    KnownKey{"truth_path_m", "Path of the track"},
     KnownKey{"height_rms_m", "Error of the height, RMS"},
     KnownKey{"height_drift_pct", "Slope of the height's error, of the path"},
     KnownKey{"used", "Fixes used"},
@@ -179,7 +190,12 @@ std::string ObjectTables(const FigureSource& source, const std::string& pointer,
     } else if (value.is_object()) {
       inner += under(ObjectTables(source, at, depth + 1));
     } else if (IsListOfObjects(value)) {
-      inner += under(ListTable(source, at));
+      constexpr std::size_t kRowsAtOnce = 12;
+      const std::string list = ListTable(source, at);
+      inner += under(value.size() <= kRowsAtOnce
+                         ? list
+                         : fmt::format("<details><summary>{} rows</summary>{}</details>\n",
+                                       value.size(), list));
     } else {
       table.Row({Readable(key), CellOf(source, at, key)});
     }
@@ -192,10 +208,14 @@ std::string ObjectTables(const FigureSource& source, const std::string& pointer,
 std::string EvaluationSection(const PartContent& content) {
   const FigureSource evaluation = content.folder.Evaluation();
   if (!evaluation.json.is_object() || evaluation.json.empty()) return "";
-  return HtmlSection("evaluation", "Against what is known from elsewhere",
-                     "Errors against the ground truth, the RTK fixes and the surveyed rocks, which "
-                     "took no part in making the result: every number of evaluation.json.",
-                     ObjectTables(evaluation, "", 0));
+  const bool ties = At(content.folder.summary, "/rtk_use/used") == Json(true);
+  return HtmlSection(
+      "evaluation", "Against what is known from elsewhere",
+      std::string("Errors against the ground truth, the RTK fixes and the surveyed rocks, "
+                  "which took no part in making the result") +
+          (ties ? " (of the fixes those that did not tie it)" : "") +
+          ": the numbers of evaluation.json.",
+      ObjectTables(evaluation, "", 0));
 }
 
 }  // namespace rigmap

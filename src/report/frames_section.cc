@@ -157,9 +157,18 @@ std::string Remarks(const Json& summary) {
 
 }  // namespace
 
+std::set<StampNs> FramesThatStandOut(const PartContent& content) {
+  std::set<StampNs> stamps;
+  for (const JudgedFrame& frame : BadFrames(content)) {
+    if (stamps.size() == kMostBadFrames) break;
+    stamps.insert(content.folder.trajectory[frame.index].stamp_ns);
+  }
+  return stamps;
+}
+
 std::string FramesSection(const PartContent& content) {
   const FigureSource summary = content.folder.Summary();
-  HtmlTable table({"Images read", "Pairs", "Keyframes", "In the map", "Posed"});
+  HtmlTable table({"Images", "Pairs", "Keyframes", "Mapped by COLMAP", "Posed"});
   if (HasFigure(summary, "/frames/read")) {
     table.Row({Figure(summary, "/frames/read", Quantity::kCount),
                Figure(summary, "/frames/paired", Quantity::kCount),

@@ -1,6 +1,8 @@
 // Every check with its value, its limit and what it means; the parts of a traverse.
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "report/html.h"
 #include "report/part_content.h"
 
@@ -12,6 +14,19 @@ const char* StatusWords(const std::string& status) {
          : status == "untrusted" ? "not trusted"
          : status == "failed"    ? "failed"
                                  : "not judged";
+}
+
+// What a gate judges, without the unit that its name ends with.
+std::string ThingOf(const Json& gate) {
+  const std::string name = TextAt(gate, "/name");
+  return name.substr(0, name.rfind('_'));
+}
+
+// Beyond its limit, but one of two checks of one thing.
+bool IsPassedByTwin(const Json& gate, const Json& gates) {
+  const Json &value = At(gate, "/value"), &limit = At(gate, "/limit");
+  return value.is_number() && limit.is_number() && value > limit &&
+         std::ranges::count(gates, ThingOf(gate), ThingOf) > 1;
 }
 
 }  // namespace
@@ -28,7 +43,9 @@ std::string GatesSection(const PartContent& content) {
                Figure(summary, at + "/value", Quantity::kRatio),
                Figure(summary, at + "/limit", Quantity::kRatio),
                !applies ? "<span class=\"state\">does not apply</span>"
-               : passed ? "<span class=\"state ok\">passed</span>"
+               : passed ? IsPassedByTwin(gates[i], gates)
+                              ? "<span class=\"state ok\">passed by the other unit</span>"
+                              : "<span class=\"state ok\">passed</span>"
                         : "<span class=\"state bad\">failed</span>",
                TextAt(gates[i], "/why")},
               applies && !passed ? "bad" : "");
@@ -59,7 +76,11 @@ std::string PartsSection(const PartContent& content) {
                TextAt(part.summary, "/verdict/causes/0/brief")},
               status == "ok" ? "" : "bad");
   }
-  return HtmlSection("parts", "Parts", "What the traverse was put together from.", table.Text());
+  return HtmlSection("parts", "Parts",
+                     "What the traverse was put together from. Parts share frames, and each is "
+                     "judged by itself; the "
+                     "whole, adjusted at once, is better known than they are.",
+                     table.Text());
 }
 
 }  // namespace rigmap

@@ -33,9 +33,15 @@ std::string RockTable(const PartContent& content) {
                Figure(map, at + "/y_m", Quantity::kMetres)});
   }
   if (table.empty()) return "";
-  return "<h3>Rocks</h3><p>What rises above the ground, as far as the map shows it: of a rock seen "
-         "from one side, that side.</p>" +
-         table.Text();
+  const std::string listed =
+      rocks.size() > kMostRocks || At(content.map, "/rocks") > rocks.size()
+          ? fmt::format("; of {} the tallest", Figure(map, "/rocks", Quantity::kCount))
+          : "";
+  return fmt::format(
+      "<h3>Rocks, and whatever else stands out</h3><p>What rises steeply above the ground, a post "
+      "or a wall as well as a rock, as far as the map shows it: of one seen from one side, that "
+      "side{}.</p>{}",
+      listed, table.Text());
 }
 
 }  // namespace
@@ -74,8 +80,8 @@ std::string MapSection(const PartContent& content) {
     if (!HasFigure(map, key)) return;
     table.Row({name, Figure(map, key, quantity), meaning});
   };
-  row("Points", "/points", Quantity::kCount, "of which this page shows the next number");
-  row("Points shown", "/points_shown", Quantity::kCount, "evenly taken from all");
+  row("Points", "/points", Quantity::kCount, "in dense.ply");
+  row("Points shown", "/points_shown", Quantity::kCount, "in this page, taken evenly from all");
   row("Finest voxel", "/finest_m", Quantity::kMetres,
       "side of the cubes in which measurements are merged; coarser where less is known");
   row("Sigma, median", "/median_sigma_m", Quantity::kMetres,
@@ -86,8 +92,9 @@ std::string MapSection(const PartContent& content) {
   row("Density", "/points_per_m2", Quantity::kRatio, "points per m\u00b2 of that ground");
   return HtmlSection(
       "map", "What the map holds",
-      "Made of depth that several frames agree upon. Colour the 3-D view by sigma or "
-      "observations to see where it is good.",
+      "Made of depth that several frames agree upon. Colour the 3-D view by sigma to see where it "
+      "is good, or by observations to see how much was merged into a point: far away, where points "
+      "are coarse, that is much.",
       table.Text() + RockTable(content));
 }
 

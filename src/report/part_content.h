@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -36,6 +37,9 @@ std::string FramesSection(const PartContent& content);
 std::string GatesSection(const PartContent& content);
 std::string MapSection(const PartContent& content);
 std::string RunSection(const PartContent& content);
+
+// The frames that FramesSection shows first: at most 40.
+std::set<StampNs> FramesThatStandOut(const PartContent& content);
 
 // For the scripts: poses, reference, rocks, points, and the curves that they draw into the
 // sections.

@@ -27,14 +27,15 @@ std::string PictureUrl(const std::filesystem::path& path, int side_px, int quali
   }
 }
 
-std::map<StampNs, std::string> Thumbnails(const std::map<StampNs, std::filesystem::path>& images) {
+std::map<StampNs, std::string> Thumbnails(const std::map<StampNs, std::filesystem::path>& images,
+                                          const std::set<StampNs>& wanted) {
   const std::size_t every = images.size() / (kMostThumbnails + 1) + 1;
   const std::size_t count = (images.size() + every - 1) / every;
   const int side_px = count <= 100 ? 480 : count <= 250 ? 320 : 240;
   std::vector<std::pair<StampNs, std::filesystem::path>> taken;
   std::size_t index = 0;
   for (const auto& image : images) {
-    if (index++ % every == 0) taken.emplace_back(image);
+    if (index++ % every == 0 || wanted.contains(image.first)) taken.emplace_back(image);
   }
   std::vector<std::string> urls(taken.size());
   oneapi::tbb::parallel_for(std::size_t{0}, taken.size(), [&](std::size_t i) {

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <map>
+#include <set>
 #include <string>
 
 #include "core/stamp.h"
@@ -15,8 +16,9 @@ std::string PictureUrl(const std::filesystem::path& path, int side_px, int quali
 
 // The same of many, on all threads of the job, with the width and the number chosen so that all
 // of them together stay within about 5 MB: of more than kMostThumbnails every other, third, ... is
-// left out.
+// left out, but those of `wanted`.
 inline constexpr std::size_t kMostThumbnails = 600;
-std::map<StampNs, std::string> Thumbnails(const std::map<StampNs, std::filesystem::path>& images);
+std::map<StampNs, std::string> Thumbnails(const std::map<StampNs, std::filesystem::path>& images,
+                                          const std::set<StampNs>& wanted = {});
 
 }  // namespace rigmap

@@ -12,23 +12,33 @@ namespace {
 
 std::string StagesTable(const FigureSource& summary) {
   const Json& stages = At(summary.json, "/stages");
-  double longest = 1e-9;
+  double longest = 1e-9, all_s = 0.0, now_s = 0.0;
   for (const Json& stage : stages) longest = std::max(longest, stage.value("seconds", 0.0));
   HtmlTable table({"Stage", "Time", "", "Memory", ""});
   for (std::size_t i = 0; i < stages.size(); ++i) {
     const std::string at = fmt::format("/stages/{}", i);
+    const bool is_reused = At(stages[i], "/reused") == Json(true);
+    all_s += stages[i].value("seconds", 0.0);
+    now_s += is_reused ? 0.0 : stages[i].value("seconds", 0.0);
     table.Row({fmt::format("<code>{}</code>", TextAt(stages[i], "/name")),
                Figure(summary, at + "/seconds", Quantity::kSeconds),
                fmt::format("<span class=\"bar-of\" style=\"width:{:.1f}%\"></span>",
                            100.0 * stages[i].value("seconds", 0.0) / longest),
                Figure(summary, at + "/peak_rss_mb", Quantity::kMegabytes),
-               At(stages[i], "/reused") == Json(true) ? "taken from an earlier run" : ""});
+               is_reused ? "as it was done before" : ""});
   }
-  return table.Text();
+  if (table.empty()) return "";
+  return fmt::format("<p>{} in all, of which {} in this run.</p>\n",
+                     ShownNumber(all_s, Quantity::kSeconds),
+                     ShownNumber(now_s, Quantity::kSeconds)) +
+         table.Text();
 }
 
 std::string Options(const PartContent& content) {
-  if (content.changed_options.empty()) return "<p>All options have their defaults.</p>\n";
+  if (content.changed_options.empty())
+    return "<p>None: all of config.yaml are defaults. What else was asked for stands in the "
+           "command "
+           "below.</p>\n";
   std::string list;
   for (const std::string& option : content.changed_options) {
     list += fmt::format("<li><code>{}</code></li>\n", Escaped(option));

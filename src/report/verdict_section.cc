@@ -21,9 +21,10 @@ struct Standing {
 Standing StandingOf(const Json& summary) {
   const std::string status = summary.value("status", "");
   if (status == "ok") {
-    return {"ok", "This result can be trusted",
-            "All checks that it could contradict itself by were passed, and it is as good as was "
-            "asked."};
+    return {
+        "ok", "This result can be trusted",
+        "It passed every check by which it could have contradicted itself, and it is as good as "
+        "was asked."};
   }
   if (status == "untrusted") {
     return {"untrusted", "Do not trust this result as it is", ""};
@@ -78,20 +79,37 @@ std::string Tile(const char* name, const std::string& figure, const std::string&
 std::string RockTile(const PartContent& content) {
   const FigureSource map = content.Map();
   if (!HasFigure(map, "/largest_rock/height_m")) return "";
-  return Tile("Largest rock", Figure(map, "/largest_rock/height_m", Quantity::kMetres) + " high",
-              fmt::format("{}, {} wide, of {} in the map",
-                          PlusMinus(map, "/largest_rock/height_sigma_m", Quantity::kMetres),
+  return Tile("Tallest rock", Figure(map, "/largest_rock/height_m", Quantity::kMetres) + " high",
+              fmt::format("{} (95\u00a0%), {} wide; of {} things that stand out of the ground",
+                          PlusMinus(map, "/largest_rock/height_95_m", Quantity::kMetres),
                           Figure(map, "/largest_rock/width_m", Quantity::kMetres),
                           Figure(map, "/rocks", Quantity::kCount)));
+}
+
+// Where a truth and what the result states of itself cannot both hold.
+const char* Contradiction(const PartContent& content) {
+  const FigureSource evaluation = content.folder.Evaluation(), summary = content.folder.Summary();
+  if (!HasFigure(evaluation, "/scale_error_pct") || !HasFigure(summary, "/verdict/scale_95_pct")) {
+    return "";
+  }
+  return At(evaluation.json, "/scale_error_pct") > At(summary.json, "/verdict/scale_95_pct")
+             ? ", which is more than stated: this or the truth is wrong"
+             : "";
 }
 
 std::string TruthTile(const PartContent& content) {
   const FigureSource evaluation = content.folder.Evaluation();
   if (HasFigure(evaluation, "/ate_se3_m")) {
     return Tile("Off the true path", Figure(evaluation, "/ate_se3_m", Quantity::kMetres),
-                fmt::format("RMS, {} of the path; scale off by {}",
+                fmt::format("RMS, {} of the path; scale off by {}{}",
                             Figure(evaluation, "/ate_se3_pct", Quantity::kPercent),
-                            Figure(evaluation, "/scale_error_pct", Quantity::kPercent)));
+                            Figure(evaluation, "/scale_error_pct", Quantity::kPercent),
+                            Contradiction(content)));
+  }
+  if (HasFigure(evaluation, "/rms_se2_m")) {
+    return Tile("Off the prism's track", Figure(evaluation, "/rms_se2_m", Quantity::kMetres),
+                fmt::format("RMS, horizontal, {} of the path",
+                            Figure(evaluation, "/rms_se2_pct", Quantity::kPercent)));
   }
   if (HasFigure(evaluation, "/rtk/rms_residual_m")) {
     return Tile("Off the RTK fixes", Figure(evaluation, "/rtk/rms_residual_m", Quantity::kMetres),

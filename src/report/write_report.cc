@@ -38,7 +38,7 @@ Json DescribeRock(const SegmentedRock& rock) {
 }
 
 // What is counted in the map and stands in no other file.
-Json DescribeMap(const ThinCloud& cloud) {
+Json DescribeMap(const ThinCloud& cloud, const Json& summary) {
   Json map = {{"points", cloud.count_in_map}, {"points_shown", cloud.points.size()}};
   if (cloud.finest_m > 0.0) map["finest_m"] = cloud.finest_m;
   if (cloud.median_sigma_m) map["median_sigma_m"] = *cloud.median_sigma_m;
@@ -55,9 +55,14 @@ Json DescribeMap(const ThinCloud& cloud) {
   }
   if (!cloud.rocks->empty()) {
     map["largest_rock"] = DescribeRock(cloud.rocks->front());
-    // The difference of two heights, each as good as a point of the map.
+    // The difference of two heights, each as good as a point of the map, and the scale.
     if (cloud.median_sigma_m) {
-      map["largest_rock"]["height_sigma_m"] = std::sqrt(2.0) * *cloud.median_sigma_m;
+      constexpr double kSigmasOf95Pct = 1.96;
+      const Json& scale_95_pct = At(summary, "/verdict/scale_95_pct");
+      const double of_scale = scale_95_pct.is_number() ? scale_95_pct.get<double>() / 100.0 : 0.0;
+      map["largest_rock"]["height_95_m"] =
+          std::hypot(kSigmasOf95Pct * std::sqrt(2.0) * *cloud.median_sigma_m,
+                     of_scale * cloud.rocks->front().height_m);
     }
   }
   return map;
@@ -70,9 +75,9 @@ Page PageOfPart(ResultFolder folder, const ReportRequest& request) {
   content.cloud = ReadMap(content.folder.root, request.max_points);
   if (content.cloud) {
     content.points = PackPoints(content.cloud->points, content.cloud->finest_m);
-    content.map = DescribeMap(*content.cloud);
+    content.map = DescribeMap(*content.cloud, content.folder.summary);
   }
-  content.thumbnails = Thumbnails(content.folder.images);
+  content.thumbnails = Thumbnails(content.folder.images, FramesThatStandOut(content));
   return PartPage(content);
 }
 

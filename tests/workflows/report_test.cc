@@ -18,7 +18,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using testing::HasSubstr;
-using testing::IsSubsetOf;
 using Json = nlohmann::ordered_json;
 
 Json Load(const fs::path& path) { return Json::parse(ReadTextFile(path)); }
@@ -116,7 +115,15 @@ TEST_F(ReportTest, HasEveryFigureAsTheFilesHaveIt) {
       if (!documents.contains(figure.source)) continue;
       EXPECT_EQ(Complaint(figure, documents[figure.source]), "");
     }
-    EXPECT_THAT(NumbersIn(documents["evaluation"]), IsSubsetOf(shown["evaluation"]));
+    for (const std::string& pointer : NumbersIn(documents["evaluation"])) {
+      // Of steps only what tells them apart.
+      EXPECT_TRUE(pointer.starts_with("/steps/") || shown["evaluation"].contains(pointer))
+          << pointer;
+    }
+    for (const char* pointer : {"/steps/odometry/ate_se3_pct", "/steps/adjustment/ate_se3_pct",
+                                "/steps/adjustment/rtk/rms_residual_m"}) {
+      EXPECT_TRUE(shown["evaluation"].contains(pointer)) << pointer;
+    }
     for (const std::string& pointer : NumbersIn(documents["summary"])) {
       // Indices and what the verdict's sentences are told from.
       const bool is_told = !pointer.starts_with("/gates/") && !pointer.starts_with("/stages/") &&

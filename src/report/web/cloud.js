@@ -27,7 +27,7 @@ void main() {
   vec4 seen = modelViewMatrix * vec4(position, 1.0);
   gl_Position = projectionMatrix * seen;
   float grain = finest * exp2(known.z * 255.0 / 4.0);
-  gl_PointSize = clamp(1.3 * grain * thinning * size * pxPerUnit / max(-seen.z, 1e-6), 1.0, 32.0);
+  gl_PointSize = clamp(1.3 * grain * thinning * size * pxPerUnit / max(-seen.z, 1e-6), 1.0, 14.0);
   isLarge = gl_PointSize > 5.0 ? 1.0 : 0.0;
   float value = mode == 1 ? position.z : 255.0 * (mode == 2 ? known.x : known.y);
   shade = mode == 0 ? tint : ramp((value - range.x) / max(range.y - range.x, 1e-9));

@@ -41,11 +41,15 @@ export function measure(one, other, poses, scaleSigma) {
   return { distance_m, sigma_m: Math.sqrt(sum) };
 }
 
-// "2.413 m ± 4 mm": the sigma decides how many digits are worth showing.
+// One standard deviation with two digits: 4.1 mm, 2.6 cm, 1.3 m.
+export function sigmaText(sigma_m) {
+  if (sigma_m < 0.01) return `${(1000 * sigma_m).toPrecision(2)} mm`;
+  return sigma_m < 0.995 ? `${(100 * sigma_m).toPrecision(2)} cm` : `${sigma_m.toFixed(sigma_m < 10 ? 1 : 0)} m`;
+}
+
+// "2.413 m ± 4.1 mm (one sigma)": the sigma decides how many digits are worth showing.
 export function lengthText({ distance_m, sigma_m }) {
   if (!Number.isFinite(sigma_m)) return `${distance_m.toFixed(3)} m`;
-  const sigma = sigma_m < 0.01 ? `${(1000 * sigma_m).toPrecision(2)} mm`
-    : sigma_m < 1 ? `${(100 * sigma_m).toPrecision(2)} cm` : `${sigma_m.toPrecision(2)} m`;
   const digits = sigma_m < 0.001 ? 4 : sigma_m < 0.1 ? 3 : 2;
-  return `${distance_m.toFixed(digits)} m \u00b1 ${sigma}`;
+  return `${distance_m.toFixed(digits)} m ± ${sigmaText(sigma_m)} (one sigma)`;
 }

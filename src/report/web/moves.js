@@ -13,7 +13,11 @@ export const moves = {
     const { poses } = this.world;
     this.controls.target.copy(this.centre);
     if (name === 'top') {
-      this.camera.position.copy(this.centre).add(new THREE.Vector3(-0.001 * away, 0, 0.95 * away));
+      // x to the right, y up, as in the pictures.
+      const perHeight = 2 * Math.tan((FIELD_OF_VIEW_DEG * Math.PI) / 360);
+      const aspect = (this.place.clientWidth || 1) / (this.place.clientHeight || 1);
+      const above = 1.06 * Math.max(box.y, box.x / aspect) / perHeight + 0.5 * box.z;
+      this.camera.position.copy(this.centre).add(new THREE.Vector3(0, -0.001 * above, above));
     } else if (name === 'path' && poses) {
       const start = marks.positionOf(poses, 0);
       const ahead = new THREE.Vector3(0, 0, 1).applyQuaternion(marks.rotationOf(poses, 0));

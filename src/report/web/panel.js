@@ -1,4 +1,5 @@
 // Buttons, layers, legend and what is said of what was clicked, around the 3-D view.
+import { sigmaText } from './measure.js';
 import { observationsOf, sigmaOf } from './points.js';
 
 function element(tag, properties = {}, ...children) {
@@ -13,10 +14,10 @@ function colourRanges(view) {
   const [low, high] = points.height_range_m;
   const z = points.origin[2];
   const sigma = points.sigma_range, seen = points.observations_range;
-  const mm = (code) => `${(1000 * sigmaOf(code)).toPrecision(2)} mm`;
+  const text = (code) => sigmaText(sigmaOf(code));
   return {
     1: { range: [low - z, high - z], ends: [`${low.toFixed(2)} m`, `${high.toFixed(2)} m`], name: 'Height (world z)' },
-    2: { range: sigma, ends: sigma.map(mm), name: 'Sigma of a point along its rays' },
+    2: { range: sigma, ends: sigma.map(text), name: 'Sigma of a point along its rays' },
     3: { range: seen, ends: seen.map((code) => String(observationsOf(code))), name: 'Depth pixels merged into a point' },
   };
 }
@@ -120,7 +121,7 @@ export function makePanel(section, view) {
       if (thumbnail) card.append(element('img', { src: thumbnail.src, alt: thumbnail.alt }));
       card.append(element('figcaption', {
         textContent: `Frame ${index}, ${poses.t[index].toFixed(1)} s, ${poses.source[index]}, ` +
-          `sigma up to ${(1000 * sigma).toPrecision(2)} mm`,
+          `sigma up to ${sigmaText(sigma)}${thumbnail ? '' : ' (this page holds no image of it)'}`,
       }));
       card.hidden = false;
     },

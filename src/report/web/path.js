@@ -115,7 +115,9 @@ export function sigmaRings(poses, extent) {
   return { group, times };
 }
 
-function label(text, height) {
+// As large on the screen from near and from afar.
+function label(text) {
+  const height = 0.026;  // of the view
   const canvas = document.createElement('canvas');
   canvas.width = 256;
   canvas.height = 64;
@@ -129,7 +131,7 @@ function label(text, height) {
   context.fillStyle = '#ffe28a';
   context.fillText(text, 128, 32);
   const sprite = new THREE.Sprite(new THREE.SpriteMaterial({
-    map: new THREE.CanvasTexture(canvas), depthTest: false, transparent: true }));
+    map: new THREE.CanvasTexture(canvas), depthTest: false, transparent: true, sizeAttenuation: false }));
   sprite.scale.set(4 * height, height, 1);
   return sprite;
 }
@@ -142,7 +144,7 @@ export function rockMarks(rocks, extent) {
     const on = (t) => [rock.x + 0.6 * rock.width * Math.cos(t), rock.y + 0.6 * rock.width * Math.sin(t), rock.top];
     for (let k = 0; k < 24; ++k) vertices.push(...on(k * Math.PI / 12), ...on((k + 1) * Math.PI / 12));
     if (index >= 12) return;
-    const sprite = label(`${rock.height.toFixed(2)} m`, extent / 45);
+    const sprite = label(`${rock.height.toFixed(2)} m`);
     sprite.position.set(rock.x, rock.y, rock.top + extent / 50);
     group.add(sprite);
   });

@@ -2,7 +2,7 @@
 import * as THREE from 'three';
 import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
 import { Cloud } from './cloud.js';
-import { lengthText, measure } from './measure.js';
+import { lengthText, measure, sigmaText } from './measure.js';
 import { observationsOf, sigmaOf, unpackLevel } from './points.js';
 import { FIELD_OF_VIEW_DEG, moves } from './moves.js';
 import * as marks from './path.js';
@@ -25,6 +25,7 @@ class View {
     this.controls = new OrbitControls(this.camera, renderer.domElement);
     this.controls.zoomToCursor = true;
     this.controls.keyPanSpeed = 30;
+    this.controls.maxPolarAngle = 0.49 * Math.PI;  // not below the ground
     this.controls.listenToKeyEvents(renderer.domElement);
     this.controls.addEventListener('change', () => this.paint());
     this.controls.addEventListener('start', () => this.stopFlight());
@@ -171,8 +172,9 @@ class View {
       text = `Distance ${lengthText(found)}, height difference ${(other.position.z - one.position.z).toFixed(3)} m`;
     } else if (one) {
       const sigma = sigmaOf(one.sigma);
-      text = `Height ${height.toFixed(3)} m, ${Number.isFinite(sigma) ? `sigma ${(1000 * sigma).toPrecision(2)} mm, ` : ''}` +
-        `seen in ${observationsOf(one.observations)} depth pixels. Click a second point to measure.`;
+      const [x, y] = one.position.toArray().map((value, axis) => value + (this.data.points?.origin[axis] ?? 0));
+      text = `x ${x.toFixed(2)}, y ${y.toFixed(2)}, height ${height.toFixed(3)} m of the map's world, ` +
+        `${Number.isFinite(sigma) ? `sigma ${sigmaText(sigma)}, ` : ''}seen in ${observationsOf(one.observations)} depth pixels. Click a second point to measure.`;
     }
     this.panel.say(text);
     this.paint();
