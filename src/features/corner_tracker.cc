@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
 #include <opencv2/video/tracking.hpp>
+#include <optional>
 
 #include "features/internal/grey_pair.h"
 #include "features/stereo_matches.h"
@@ -20,6 +22,54 @@ double SpacingPx(const cv::Mat& grey, int count) {
 bool IsUsable(const cv::Mat& mask, const cv::Point2f& pixel) {
   const int x = static_cast<int>(std::lround(pixel.x)), y = static_cast<int>(std::lround(pixel.y));
   return x >= 0 && y >= 0 && x < mask.cols && y < mask.rows && mask.at<std::uint8_t>(y, x) != 0;
+}
+
+struct ImagePair {
+  const cv::Mat &from, &to;
+};
+
+// Where corners are that were followed to near `expected`, and back to where they began.
+std::vector<std::optional<cv::Point2f>> FollowThereAndBack(const ImagePair& images,
+                                                           const std::vector<cv::Point2f>& from,
+                                                           const std::vector<cv::Point2f>& expected,
+                                                           const CornerOptions& options) {
+  const cv::Size window(options.window_px, options.window_px);
+  const cv::TermCriteria enough(cv::TermCriteria::COUNT + cv::TermCriteria::EPS, 30, 0.01);
+  std::vector<cv::Point2f> there = expected, back = from;
+  std::vector<std::uint8_t> is_there, is_back;
+  std::vector<float> errors;
+  const auto follow = [&](const cv::Mat& a, const cv::Mat& b, const std::vector<cv::Point2f>& start,
+                          std::vector<cv::Point2f>& end, std::vector<std::uint8_t>& is_found) {
+    cv::calcOpticalFlowPyrLK(a, b, start, end, is_found, errors, window, options.pyramid_levels,
+                             enough, cv::OPTFLOW_USE_INITIAL_FLOW);
+  };
+  follow(images.from, images.to, from, there, is_there);
+  // As far off as the way there was, not from where it has to end.
+  for (std::size_t i = 0; i < back.size(); ++i) back[i] = there[i] + (from[i] - expected[i]);
+  follow(images.to, images.from, there, back, is_back);
+  std::vector<std::optional<cv::Point2f>> found(from.size());
+  for (std::size_t i = 0; i < from.size(); ++i) {
+    const bool is_sure =
+        is_there[i] && is_back[i] && cv::norm(back[i] - from[i]) <= options.max_round_trip_px;
+    if (is_sure) found[i] = there[i];
+  }
+  return found;
+}
+
+// The homography that most corners moved by: ground is a plane, more or less. Empty where too few
+// agree.
+cv::Mat GroundMotion(const std::vector<cv::Point2f>& from,
+                     const std::vector<std::optional<cv::Point2f>>& to) {
+  constexpr std::size_t kLeast = 20;
+  constexpr double kOff_px = 5.0;  // of what is no plane; the search takes the rest up
+  std::vector<cv::Point2f> a, b;
+  for (std::size_t i = 0; i < from.size(); ++i) {
+    if (!to[i]) continue;
+    a.push_back(from[i]);
+    b.push_back(*to[i]);
+  }
+  if (a.size() < kLeast) return {};
+  return cv::findHomography(a, b, cv::RANSAC, kOff_px);
 }
 
 }  // namespace
@@ -42,22 +92,32 @@ OptionFields CornerOptions::Fields() {
   };
 }
 
-CornerTracker::Corners CornerTracker::Follow(const cv::Mat& grey, const cv::Mat& mask) const {
+CornerTracker::Corners CornerTracker::Follow(const cv::Mat& grey, const cv::Mat& mask) {
   Corners found;
   if (last_.pixels.empty() || last_grey_.empty()) return found;
-  const cv::Size window(options_.window_px, options_.window_px);
-  std::vector<cv::Point2f> there, back;
-  std::vector<std::uint8_t> is_there, is_back;
-  std::vector<float> errors;
-  cv::calcOpticalFlowPyrLK(last_grey_, grey, last_.pixels, there, is_there, errors, window,
-                           options_.pyramid_levels);
-  cv::calcOpticalFlowPyrLK(grey, last_grey_, there, back, is_back, errors, window,
-                           options_.pyramid_levels);
+  const ImagePair images{last_grey_, grey};
+  std::vector<std::optional<cv::Point2f>> there =
+      FollowThereAndBack(images, last_.pixels, last_.pixels, options_);
+  const cv::Mat told = GroundMotion(last_.pixels, there);
+  const cv::Mat& motion = told.empty() ? last_motion_ : told;
+  if (!motion.empty()) {
+    std::vector<std::size_t> lost;
+    std::vector<cv::Point2f> from, expected;
+    for (std::size_t i = 0; i < there.size(); ++i) {
+      if (there[i]) continue;
+      lost.push_back(i);
+      from.push_back(last_.pixels[i]);
+    }
+    if (!from.empty()) {
+      cv::perspectiveTransform(from, expected, motion);
+      const auto again = FollowThereAndBack(images, from, expected, options_);
+      for (std::size_t k = 0; k < lost.size(); ++k) there[lost[k]] = again[k];
+    }
+  }
+  last_motion_ = GroundMotion(last_.pixels, there);
   for (std::size_t i = 0; i < there.size(); ++i) {
-    const double round_trip_px = cv::norm(back[i] - last_.pixels[i]);
-    const bool is_sure = is_there[i] && is_back[i] && round_trip_px <= options_.max_round_trip_px;
-    if (!is_sure || !IsUsable(mask, there[i])) continue;
-    found.pixels.push_back(there[i]);
+    if (!there[i] || !IsUsable(mask, *there[i])) continue;
+    found.pixels.push_back(*there[i]);
     found.tracks.push_back(last_.tracks[i]);
   }
   return found;
@@ -87,6 +147,7 @@ FrameFeatures CornerTracker::Next(const StereoFrame& frame) {
     result.usable_share = 0.0;
     last_ = {};
     last_grey_.release();
+    last_motion_.release();
     return result;
   }
   const cv::Mat mask = UsableMask(images->left, setup_.left_mask, setup_.mask_options);

@@ -37,13 +37,16 @@ class CornerTracker {
     std::vector<std::int64_t> tracks;
   };
   // Of the last frame's corners those that are found in `grey` and lead back to where they were.
-  Corners Follow(const cv::Mat& grey, const cv::Mat& mask) const;
+  // Those that are not are looked for once more where the ground's motion in the image, as the
+  // others or else the frame before tell it, takes them.
+  Corners Follow(const cv::Mat& grey, const cv::Mat& mask);
   void AddNew(const cv::Mat& grey, const cv::Mat& mask, Corners& corners);
 
   FeatureSetup setup_;
   CornerOptions options_;
   cv::Mat last_grey_;
   Corners last_;
+  cv::Mat last_motion_;  // homography of the ground from the frame before the last; empty: unknown
   std::int64_t next_track_ = 0;
 };
 

@@ -67,6 +67,23 @@ TEST_F(CornerTrackerTest, FollowsWhatMovesToAPartOfAPixel) {
   EXPECT_GT(stereo_matches, 500);
 }
 
+TEST_F(CornerTrackerTest, LooksWhereTheGroundMovesTo) {
+  // Too far for the window alone, which is followed on the image itself only; not from where the
+  // frames before lead to.
+  CornerOptions options;
+  options.pyramid_levels = 0;
+  CornerTracker tracker(MakeFeatureSetup(LocCamRig(), {}, {}), options);
+  tracker.Next(Frame(1, {0.0, 0.0}));
+  FrameFeatures last = tracker.Next(Frame(2, {2.0, 0.8}));
+  int stamp = 3;
+  for (const double shift : {5.0, 10.0, 17.0, 26.0, 37.0}) {
+    FrameFeatures next = tracker.Next(Frame(stamp++, {shift, 0.4 * shift}));
+    const auto matches = MatchTracks(last, next);
+    EXPECT_GT(matches.size(), 0.6 * static_cast<double>(last.features.size())) << shift;
+    last = std::move(next);
+  }
+}
+
 TEST_F(CornerTrackerTest, EndsAllTracksAtAFrameThatCannotBeRead) {
   const FrameFeatures first = tracker_.Next(Frame(1, {0.0, 0.0}));
   StereoFrame damaged = Frame(2, {0.0, 0.0});
