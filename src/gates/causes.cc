@@ -16,8 +16,9 @@ constexpr std::string_view kThisRig =
     "check that the rig file is of these cameras at this image size, left and right not exchanged; "
     "else calibrate them anew and give that file with --rig";
 constexpr std::string_view kManyDrives =
-    "put other drives with this rig together, rigmap calibrate OUT... --rig-out FILE, and run this "
-    "one again with --rig FILE";
+    "run other drives of the same rig, with curves; rigmap calibrate FOLDER FOLDER ... --rig-out "
+    "rig.yaml makes one calibration of all their results; then run this one again with --rig "
+    "rig.yaml";
 
 // What the uncertainty comes from, and what helps against it.
 struct Origin {

@@ -105,6 +105,13 @@ std::string LegendOf(const PartContent& content, double times) {
   return "<p class=\"legend-line\">" + legend + "</p>\n";
 }
 
+std::string DrawMark(const Eigen::Vector2d& at, const char* name) {
+  return fmt::format(
+      "<circle class=\"start\" cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"5\"/>"
+      "<text x=\"{:.1f}\" y=\"{:.1f}\">{}</text>\n",
+      at.x(), at.y(), at.x() + 8.0, at.y() - 7.0, name);
+}
+
 }  // namespace
 
 std::string RouteDrawing(const PartContent& content) {
@@ -145,11 +152,7 @@ std::string RouteDrawing(const PartContent& content) {
     drawn += fmt::format("<circle class=\"rtk\" cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"3\"/>\n", fix.x(),
                          fix.y());
   }
-  const Eigen::Vector2d start = frame(path.front());
-  drawn += fmt::format("<circle class=\"start\" cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"5\"/>", start.x(),
-                       start.y());
-  drawn += fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\">start</text>\n", start.x() + 8.0,
-                       start.y() - 7.0);
+  drawn += DrawMark(frame(path.front()), "start") + DrawMark(frame(path.back()), "end");
   return DrawingText(frame.width_px(), frame.height_px(), "the route from above",
                      drawn + frame.ScaleBar()) +
          LegendOf(content, times);
