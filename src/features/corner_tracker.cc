@@ -72,6 +72,23 @@ cv::Mat GroundMotion(const std::vector<cv::Point2f>& from,
   return cv::findHomography(a, b, cv::RANSAC, kOff_px);
 }
 
+// Once more those that have not been found, from where the motion takes them; none without one.
+void FollowLost(const ImagePair& images, const std::vector<cv::Point2f>& from,
+                const cv::Mat& motion, const CornerOptions& options,
+                std::vector<std::optional<cv::Point2f>>& there) {
+  std::vector<std::size_t> lost;
+  std::vector<cv::Point2f> lost_from, expected;
+  for (std::size_t i = 0; i < there.size(); ++i) {
+    if (there[i]) continue;
+    lost.push_back(i);
+    lost_from.push_back(from[i]);
+  }
+  if (lost.empty() || motion.empty()) return;
+  cv::perspectiveTransform(lost_from, expected, motion);
+  const auto again = FollowThereAndBack(images, lost_from, expected, options);
+  for (std::size_t k = 0; k < lost.size(); ++k) there[lost[k]] = again[k];
+}
+
 }  // namespace
 
 OptionFields CornerOptions::Fields() {
@@ -96,24 +113,9 @@ CornerTracker::Corners CornerTracker::Follow(const cv::Mat& grey, const cv::Mat&
   Corners found;
   if (last_.pixels.empty() || last_grey_.empty()) return found;
   const ImagePair images{last_grey_, grey};
-  std::vector<std::optional<cv::Point2f>> there =
-      FollowThereAndBack(images, last_.pixels, last_.pixels, options_);
+  auto there = FollowThereAndBack(images, last_.pixels, last_.pixels, options_);
   const cv::Mat told = GroundMotion(last_.pixels, there);
-  const cv::Mat& motion = told.empty() ? last_motion_ : told;
-  if (!motion.empty()) {
-    std::vector<std::size_t> lost;
-    std::vector<cv::Point2f> from, expected;
-    for (std::size_t i = 0; i < there.size(); ++i) {
-      if (there[i]) continue;
-      lost.push_back(i);
-      from.push_back(last_.pixels[i]);
-    }
-    if (!from.empty()) {
-      cv::perspectiveTransform(from, expected, motion);
-      const auto again = FollowThereAndBack(images, from, expected, options_);
-      for (std::size_t k = 0; k < lost.size(); ++k) there[lost[k]] = again[k];
-    }
-  }
+  FollowLost(images, last_.pixels, told.empty() ? last_motion_ : told, options_, there);
   last_motion_ = GroundMotion(last_.pixels, there);
   for (std::size_t i = 0; i < there.size(); ++i) {
     if (!there[i] || !IsUsable(mask, *there[i])) continue;

@@ -78,8 +78,7 @@ std::string PartsSection(const PartContent& content) {
   }
   return HtmlSection("parts", "Parts",
                      "What the traverse was put together from. Parts share frames, and each is "
-                     "judged by itself; the "
-                     "whole, adjusted at once, is better known than they are.",
+                     "judged by itself; the whole, adjusted at once, is better known than they.",
                      table.Text());
 }
 

@@ -25,7 +25,7 @@ std::string StagesTable(const FigureSource& summary) {
                fmt::format("<span class=\"bar-of\" style=\"width:{:.1f}%\"></span>",
                            100.0 * stages[i].value("seconds", 0.0) / longest),
                Figure(summary, at + "/peak_rss_mb", Quantity::kMegabytes),
-               is_reused ? "as it was done before" : ""});
+               is_reused ? "taken over from before" : ""});
   }
   if (table.empty()) return "";
   return fmt::format("<p>{} in all, of which {} in this run.</p>\n",
@@ -36,8 +36,7 @@ std::string StagesTable(const FigureSource& summary) {
 
 std::string Options(const PartContent& content) {
   if (content.changed_options.empty())
-    return "<p>None: all of config.yaml are defaults. What else was asked for stands in the "
-           "command "
+    return "<p>None: all of config.yaml are defaults. What else was asked for is in the command "
            "below.</p>\n";
   std::string list;
   for (const std::string& option : content.changed_options) {
