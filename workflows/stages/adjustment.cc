@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <numbers>
 
+#include "adjustment/carry_groups.h"
 #include "odometry/track_frames.h"
 #include "pipeline/code_identity.h"
 #include "pose_graph/relax_poses.h"
@@ -52,9 +53,10 @@ struct Adjuster {
   AdjustedPart From(const std::vector<std::optional<Rigid3>>& start, const Odometry& steps,
                     RigRefinement refined, const CalibrationVector& correction) const {
     const auto starting = RelaxPoses(StartingPoses(steps, start), steps, matches.loop_closures);
-    const Adjustment adjustment =
+    Adjustment adjustment =
         AdjustBundle({matches, dataset.rig, starting, refined, correction}, options);
-    return LayInWorld(dataset, steps, adjustment);
+    CarryGroupsAlong(starting, adjustment);
+    return LayInWorld(dataset, steps, std::move(adjustment));
   }
 
   // With the part's rig, near its poses: a step that was once lost was found by the matches since.
