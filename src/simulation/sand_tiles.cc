@@ -8,13 +8,22 @@
 namespace rigmap {
 namespace {
 
-constexpr double kExtent_m = 1200.0;
+constexpr double kLeastSide_m = 1200.0;
+constexpr double kBeyondWay_m = 400.0;  // what lies farther off is a pixel high at most
+
+// Of the square around the origin that holds the way and what is seen from it.
+double SideFor(std::span<const Eigen::Vector2d> outline) {
+  double farthest_m = 0.0;
+  for (const auto& way : outline) farthest_m = std::max(farthest_m, way.cwiseAbs().maxCoeff());
+  return std::max(kLeastSide_m, 2.0 * (farthest_m + kBeyondWay_m));
+}
 
 }  // namespace
 
 SandTiles::SandTiles(std::span<const Eigen::Vector2d> outline, double cell_m, double fine_m)
     : outline_(outline), finest_m_(cell_m), fine_m_(fine_m), root_cell_m_(cell_m) {
-  while (root_cell_m_ * kCells < kExtent_m) root_cell_m_ *= 2.0;
+  const double side_m = SideFor(outline);
+  while (root_cell_m_ * kCells < side_m) root_cell_m_ *= 2.0;
   nodes_.emplace_back();
   Split(0, Eigen::Vector2d::Constant(-0.5 * kCells * root_cell_m_), root_cell_m_);
   outline_ = {};

@@ -16,8 +16,8 @@ struct SandTile {
   double cell_m = 0.0;
 };
 
-// A quadtree of tiles of kCells x kCells cells that covers about 1.3 km around the origin. Corners
-// of cells lie on whole multiples of their size.
+// A quadtree of tiles of kCells x kCells cells that covers the outline, 400 m beyond it, and at
+// least 1.2 km around the origin. Corners of cells lie on whole multiples of their size.
 class SandTiles {
  public:
   static constexpr int kCells = 64;

@@ -69,6 +69,19 @@ TEST(SandTiles, CellsAreFineNearTheOutlineAndLieOnTheirMultiples) {
   }
 }
 
+TEST(SandTiles, ReachBeyondALongWay) {
+  const std::vector<Eigen::Vector2d> outline{{0.0, 0.0}, {450.0, 0.0}, {900.0, 0.0}};
+  const SandTiles tiles(outline, 0.1, 1.0);
+  for (const Eigen::Vector2d& at : outline) {
+    const SandTile& tile = tiles.tiles()[tiles.TileAt(at)];
+    EXPECT_NEAR(tile.cell_m, 0.1, 1e-9);
+    EXPECT_LE(tile.corner.x(), at.x());
+    EXPECT_GE(tile.corner.x() + kCells * tile.cell_m, at.x());
+  }
+  const SandTile& far = tiles.tiles()[tiles.TileAt({1290.0, 0.0})];
+  EXPECT_GE(far.corner.x() + kCells * far.cell_m, 1290.0);
+}
+
 TEST(SandTiles, MeshPassesThroughTheHeightsAndHasSkirts) {
   const std::vector<Eigen::Vector2d> outline{{0.0, 0.0}};
   const SandTiles tiles(outline, 0.1, 1.0);
