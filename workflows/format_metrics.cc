@@ -7,6 +7,8 @@
 #include <utility>
 #include <vector>
 
+#include "evaluation/step_figures.h"
+
 namespace rigmap {
 namespace {
 
@@ -59,9 +61,7 @@ ordered_json RowsOfSteps(const ordered_json& steps) {
   ordered_json rows = ordered_json::array();
   for (const auto& [name, step] : steps.items()) {
     ordered_json row{{"step", name}};
-    for (const char* key :
-         {"ate_se3_m", "ate_se3_pct", "scale_error_pct", "rpe_t_pct", "rms_se2_m", "rms_se2_pct",
-          "rtk/rms_residual_m", "rtk/ce90_m", "rtk/height_rms_m", "rtk/scale_error_pct"}) {
+    for (const char* key : kStepFigures) {
       const ordered_json::json_pointer pointer(fmt::format("/{}", key));
       if (step.contains(pointer)) row[key] = step[pointer];
     }

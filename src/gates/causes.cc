@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cmath>
 #include <utility>
 
 namespace rigmap {
@@ -19,6 +17,10 @@ constexpr std::string_view kManyDrives =
     "run other drives of the same rig, with curves; rigmap calibrate FOLDER FOLDER ... --rig-out "
     "rig.yaml makes one calibration of all their results; then run this one again with --rig "
     "rig.yaml";
+
+constexpr std::string_view kOverlap =
+    "cut the parts so that they share frames (--overlap), or bridge the gap by images of the same "
+    "ground; else take each world for itself";
 
 // What the uncertainty comes from, and what helps against it.
 struct Origin {
@@ -51,45 +53,6 @@ Origin OriginOf(const Failed& failed) {
 }
 
 }  // namespace
-
-Failed::Failed(const Gates& gates, const PartFindings& findings, int first_frame)
-    : findings_(findings), first_frame_(first_frame) {
-  for (Gate gate : gates) {
-    if (gate.passed) continue;
-    // As it is once it was kept and read back: JSON has no other numbers.
-    if (gate.value && !std::isfinite(*gate.value)) gate.value.reset();
-    gates_.push_back(std::move(gate));
-  }
-}
-
-const Gate* Failed::Find(std::string_view name) const {
-  const auto found = std::ranges::find(gates_, name, &Gate::name);
-  return found == gates_.end() ? nullptr : &*found;
-}
-
-std::string Failed::Frames(const FrameRun& range) const {
-  return fmt::format("{}:{}", first_frame_ + range.first, first_frame_ + range.end);
-}
-
-bool Failed::IsInPieces() const {
-  return !findings_.pieces.empty() && findings_.pieces.front().Count() < findings_.frames;
-}
-
-std::string ValueText(const Gate& gate, double factor) {
-  if (!gate.value) return "an unknown number of";
-  // As many digits as tell it from the limit.
-  constexpr int kFew = 2, kMany = 6;
-  std::string text;
-  for (int digits = kFew; digits <= kMany; ++digits) {
-    text = fmt::format("{:.{}g}", factor * *gate.value, digits);
-    if (text != LimitText(gate, factor)) break;
-  }
-  return text;
-}
-
-std::string LimitText(const Gate& gate, double factor) {
-  return fmt::format("{:.4g}", factor * gate.limit);
-}
 
 Cause RigDoesNotFit(const Failed& failed) {
   const Gate& gate = *failed.Find("epipolar_px");
@@ -287,14 +250,6 @@ Cause DenseDiffers(const Failed& failed) {
           "look whether left and right images are equally bright and sharp, and whether the ground "
           "shows any texture"};
 }
-
-namespace {
-
-constexpr std::string_view kOverlap =
-    "cut the parts so that they share frames (--overlap), or bridge the gap by images of the same "
-    "ground; else take each world for itself";
-
-}  // namespace
 
 Cause PartsLieApart(const Failed& failed) {
   return {"some parts are tied to the others by nothing", failed.Find("worlds")->why,

@@ -4,6 +4,7 @@
 #include <array>
 #include <string_view>
 
+#include "evaluation/step_figures.h"
 #include "report/html.h"
 #include "report/part_content.h"
 
@@ -145,13 +146,9 @@ std::string ListTable(const FigureSource& source, const std::string& pointer) {
 
 // A row for each step, of what tells them apart.
 std::string StepsTable(const FigureSource& source, const std::string& pointer) {
-  constexpr std::array kColumns{"ate_se3_m",          "ate_se3_pct", "scale_error_pct",
-                                "rpe_t_pct",          "rms_se2_m",   "rms_se2_pct",
-                                "rtk/rms_residual_m", "rtk/ce90_m",  "rtk/height_rms_m",
-                                "rtk/scale_error_pct"};
   const Json& steps = At(source.json, pointer);
   std::vector<std::string> columns, headings{"After"};
-  for (const std::string column : kColumns) {
+  for (const std::string column : kStepFigures) {
     const Json::json_pointer key(fmt::format("/{}", column));
     if (std::ranges::none_of(steps, [&](const Json& step) { return step.contains(key); })) continue;
     columns.push_back(column);
