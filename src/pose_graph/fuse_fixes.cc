@@ -56,9 +56,14 @@ struct Between {
 };
 
 std::optional<Between> Find(const Trajectory& poses, double time_s, double max_gap_s) {
+  if (poses.size() < 2) return std::nullopt;
   if (time_s < 0.0 || time_s > SecondsSinceFirst(poses, poses.size() - 1)) return std::nullopt;
-  std::size_t after = 1;
-  while (after + 1 < poses.size() && SecondsSinceFirst(poses, after) < time_s) ++after;
+  const auto seconds = [&](const TimedPose& pose) {
+    return 1e-9 * static_cast<double>(pose.stamp_ns - poses.front().stamp_ns);
+  };
+  const auto end =
+      std::ranges::lower_bound(poses.begin() + 1, poses.end() - 1, time_s, {}, seconds);
+  const auto after = static_cast<std::size_t>(end - poses.begin());
   const double from_s = SecondsSinceFirst(poses, after - 1), to_s = SecondsSinceFirst(poses, after);
   if (to_s - from_s > max_gap_s) return std::nullopt;
   return Between{after - 1, (time_s - from_s) / (to_s - from_s)};

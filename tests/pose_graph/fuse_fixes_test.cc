@@ -65,6 +65,24 @@ TEST(FuseFixes, FixesOfAnotherDriveAreRefused) {
   EXPECT_TRUE(!fused || fused->fix_noise_factor > 50.0);
 }
 
+TEST(AntennaAt, LiesBetweenThePosesAroundATime) {
+  const AntennaDrive drive;
+  const auto at = [&](const Trajectory& poses, double time_s) {
+    return AntennaAt(poses, time_s, kAntenna, 3.0);
+  };
+  const auto antenna = [&](std::size_t i) -> Eigen::Vector3d {
+    return drive.truth[i].world_from_left * kAntenna;
+  };
+  EXPECT_LT((*at(drive.truth, 0.0) - antenna(0)).norm(), 1e-12);
+  EXPECT_LT((*at(drive.truth, 7.0) - antenna(7)).norm(), 1e-12);
+  EXPECT_LT((*at(drive.truth, 199.0) - antenna(199)).norm(), 1e-12);
+  EXPECT_LT((*at(drive.truth, 7.25) - (0.75 * antenna(7) + 0.25 * antenna(8))).norm(), 1e-3);
+  EXPECT_FALSE(at(drive.truth, -0.1));
+  EXPECT_FALSE(at(drive.truth, 199.1));
+  EXPECT_FALSE(at({drive.truth.front()}, 0.0));
+  EXPECT_FALSE(at({}, 0.0));
+}
+
 TEST(FuseFixes, TooFewAndOutsideTheDriveIsNothing) {
   const AntennaDrive drive;
   auto fixes = drive.Fixes();
