@@ -57,6 +57,10 @@ Accuracy AccuracyOf(const Trajectory& trajectory, const Adjustment& adjustment,
                     const StereoRig& rig, const BesideCovariances& beside) {
   Accuracy accuracy{.path_m = PathLength(trajectory)};
   if (trajectory.empty() || accuracy.path_m < rig.Baseline()) return accuracy;
+  if (!std::isfinite(beside.calibration_scale_sigma)) {
+    accuracy.scale_95_pct = accuracy.position_95_pct = beside.calibration_scale_sigma;
+    return accuracy;
+  }
   const double of_baseline = rig.baseline_sigma_m.value_or(0.0) / rig.Baseline();
   const double of_all_lengths = std::hypot(of_baseline, beside.calibration_scale_sigma);
   const auto scale = adjustment.scale_sigma || !beside.positions_known ? adjustment.scale_sigma

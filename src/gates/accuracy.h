@@ -27,7 +27,8 @@ struct BesideCovariances {
   // False where nobody has said how good the poses are, as of those that only COLMAP adjusted: then
   // the scale is the adjustment's or nothing.
   bool positions_known = true;
-  double calibration_scale_sigma = 0.0;  // relative, of all lengths
+  // Relative, of all lengths. Infinite where no length is known: so are the figures then.
+  double calibration_scale_sigma = 0.0;
 };
 
 // The scale is the adjustment's where it knows one, else that of the way to the farthest measured

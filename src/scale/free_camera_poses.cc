@@ -81,8 +81,9 @@ double FocalLengthChange(const SparseModel& model, const StereoRig& rig) {
   double change = 0.0;
   for (const auto& [eye, camera] : model.cameras) {
     const Camera& stated = rig.Of(eye).camera;
-    change = std::max(
-        {change, std::abs(camera.fx / stated.fx - 1.0), std::abs(camera.fy / stated.fy - 1.0)});
+    for (const double ratio : {camera.fx / stated.fx, camera.fy / stated.fy}) {
+      change = std::max(change, std::max(ratio, 1.0 / ratio) - 1.0);
+    }
   }
   return change;
 }

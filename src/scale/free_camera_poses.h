@@ -18,7 +18,8 @@ namespace rigmap {
 AlignedKeyframes PoseFreeCameras(const std::vector<SparseModel>& models, int frame_count,
                                  const StereoRig& rig, const ScaleOptions& options);
 
-// The largest relative change of a focal length that the rig states, among a model's cameras.
+// The largest relative change of a focal length that the rig states, among a model's cameras; a
+// half counts as much as the double, 1.
 // COLMAP frees them by default, and on a short or straight way something else makes up for a wrong
 // one: lengths across the way and along it then differ by about as much, and no left-right distance
 // tells. 0 where the model has no cameras.

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 
 #include "tests/support/seeded_random.h"
 #include "tests/support/synthetic_rover.h"
@@ -79,6 +80,15 @@ TEST(AccuracyOf, CountsWhatTheCalibrationLeavesUnknownOfAllLengths) {
   EXPECT_EQ(found.noise_95_pct, 0.0);  // so that a refusal names the calibration
   // Along the way alone: the 95 % of one direction.
   EXPECT_NEAR(found.position_95_m.value(), 1.96 * 0.02 * 5.0, 0.01);
+}
+
+TEST(AccuracyOf, IsInfiniteWhereTheCalibrationLeavesNoLengthKnown) {
+  const Accuracy found =
+      AccuracyOf(Drive(), {}, LocCamRig(),
+                 {.calibration_scale_sigma = std::numeric_limits<double>::infinity()});
+  EXPECT_GT(found.path_m, 0.0);
+  EXPECT_TRUE(std::isinf(found.scale_95_pct.value()));
+  EXPECT_TRUE(std::isinf(found.position_95_pct.value()));
 }
 
 TEST(AccuracyOf, OfAWayThatTurnsTheDirectionCounts) {

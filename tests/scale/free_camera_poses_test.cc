@@ -69,7 +69,9 @@ TEST_F(FreeCameraPoses, TellHowFarFocalLengthsWereChanged) {
   EXPECT_EQ(FocalLengthChange(model_, rover_.rig), 0.0);
   model_.cameras[0].camera.fx *= 1.01;
   model_.cameras[1].camera.fy *= 0.96;
-  EXPECT_NEAR(FocalLengthChange(model_, rover_.rig), 0.04, 1e-9);
+  EXPECT_NEAR(FocalLengthChange(model_, rover_.rig), 1.0 / 0.96 - 1.0, 1e-9);
+  model_.cameras[0].camera.fx = 0.5 * rover_.rig.left.camera.fx;
+  EXPECT_NEAR(FocalLengthChange(model_, rover_.rig), 1.0, 1e-9);
 }
 
 TEST_F(FreeCameraPoses, AreNoneWithoutAStereoPair) {

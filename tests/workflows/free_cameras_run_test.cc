@@ -23,9 +23,16 @@ TEST(FreeCamerasRun, CountsTheFocalLengthsThatColmapChanged) {
   ASSERT_TRUE(end.exit_code == 0 || end.exit_code == 3) << end.err;  // COLMAP samples at random
   const json verdict = json::parse(ReadTextFile(out / "summary.json"))["verdict"];
   const json metrics = json::parse(ReadTextFile(out / "evaluation.json"));
-  // Eight images along a line do not tell a focal length, and left-right distances not that.
+  // Eight images along a line do not tell a focal length, and left-right distances not that: COLMAP
+  // makes them 7 % longer or seven times as long, as chance has it.
   EXPECT_THAT(verdict["text"].get<std::string>(), HasSubstr("COLMAP's focal lengths"));
-  EXPECT_LE(metrics["scale_error_pct"], verdict["scale_95_pct"]);
+  const json& stated = verdict["scale_95_pct"];
+  if (stated.is_null()) {
+    EXPECT_EQ(end.exit_code, 3);
+    EXPECT_THAT(verdict["text"].get<std::string>(), HasSubstr("of metres nothing is known"));
+  } else {
+    EXPECT_LE(metrics["scale_error_pct"], stated);
+  }
   EXPECT_EQ(metrics["frames"], 8);
 }
 

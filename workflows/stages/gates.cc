@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "gates/refusal.h"
 #include "gates/registration_gates.h"
@@ -93,7 +94,9 @@ Report ReportPart(const GateInputs& inputs, const GateOptions& options) {
                          {"breaks", findings.breaks},
                          {"pieces", ToJson(findings.pieces)}}}};
   std::string text;
-  if (accuracy.scale_95_pct && accuracy.position_95_m) {
+  if (accuracy.scale_95_pct && !std::isfinite(*accuracy.scale_95_pct)) {
+    text = "of metres nothing is known; ";
+  } else if (accuracy.scale_95_pct && accuracy.position_95_m) {
     text = fmt::format("metres good to {:.2g} % and positions to {} (95 %); ",
                        *accuracy.scale_95_pct, LengthText(*accuracy.position_95_m));
   } else if (accuracy.scale_95_pct) {
@@ -127,18 +130,23 @@ Report JudgeFreeCameras(const Dataset& dataset, const MappingResult& mapped,
                         const MappingGateOptions& mapping, const PoseGateOptions& poses,
                         const AdjustmentGateOptions& adjustment,
                         const CalibrationGateOptions& calibration) {
+  // Lengths differ by the change to first order; from here on its square is half as much, and no
+  // sigma speaks of lengths any more.
+  constexpr double kFirstOrder = 0.5;
   GateInputs inputs{dataset.rig, part.odometry, part.adjustment, part.trajectory, &aligned};
   inputs.positions_known = part.KnowsPositions();
+  double change = 0.0;
   for (const AlignedModel& model : aligned.models) {
-    inputs.calibration_scale_sigma = std::max(
-        inputs.calibration_scale_sigma,
+    change = std::max(
+        change,
         FocalLengthChange(mapped.models[static_cast<std::size_t>(model.model)], dataset.rig));
   }
+  inputs.calibration_scale_sigma =
+      change < kFirstOrder ? change : std::numeric_limits<double>::infinity();
   Report report = ReportPart(inputs, {mapping, poses, adjustment, calibration, {}, {}});
   report["verdict"]["text"] =
       report["verdict"]["text"].get<std::string>() +
-      fmt::format("; COLMAP's focal lengths are up to {:.2g} % off the rig file's",
-                  100.0 * inputs.calibration_scale_sigma);
+      fmt::format("; COLMAP's focal lengths are up to {:.2g} % off the rig file's", 100.0 * change);
   return report;
 }
 
