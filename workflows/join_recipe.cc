@@ -70,9 +70,9 @@ StageGraph JoinRecipe(const Dataset& data, const DatasetContent& data_content,
   const InTurn starts{StartingFrom::kOdometry, StartingFrom::kOdometry};
   AdjustmentStage adjustment = RigAdjustment();
   if (tie_to) PublishCalibrationOnly(adjustment);
-  const auto adjusted =
-      g.AddStage(adjustment, Reading(starts, o.adjustment, o.odometry, o.gates.adjustment), dataset,
-                 content, features, odometry, matches, graph, aligned);
+  const auto adjusted = g.AddStage(
+      adjustment, Reading(starts, o.matching, o.adjustment, o.odometry, o.gates.adjustment),
+      dataset, content, features, odometry, matches, graph, aligned);
   const auto gates =
       g.AddCheck(AdjustedGates(),
                  Reading(o.gates.mapping, o.gates.poses, o.gates.adjustment, o.gates.calibration),
@@ -85,7 +85,7 @@ StageGraph JoinRecipe(const Dataset& data, const DatasetContent& data_content,
     final_part = g.AddView(
         PartOf, g.AddStage(TieToFixes(), Reading(o.georeference), dataset, adjusted, parts, split));
   }
-  g.AddStage(PartPoseGraph(), Reading(), matches, final_part);
+  g.AddStage(PartPoseGraph(), Reading(), final_part);
   const auto posed = g.AddView(PosedByAdjustment, dataset, final_part);
   const auto steps = g.AddStage(JoinedSteps(), Reading(), odometry, adjusted, parts);
 

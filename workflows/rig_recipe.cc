@@ -21,16 +21,16 @@ StageGraph RigRecipe(const Dataset& data, const DatasetContent& data_content,
   const bool is_mapped = o.mapping.method != MappingMethod::kNone;
   const InTurn starts{is_mapped ? StartingFrom::kMapping : StartingFrom::kOdometry,
                       StartingFrom::kOdometry};
-  const auto adjusted =
-      g.AddStage(RigAdjustment(), Reading(starts, o.adjustment, o.odometry, o.gates.adjustment),
-                 dataset, content, features, odometry, matches, graph, aligned);
+  const auto adjusted = g.AddStage(
+      RigAdjustment(), Reading(starts, o.matching, o.adjustment, o.odometry, o.gates.adjustment),
+      dataset, content, features, odometry, matches, graph, aligned);
   const auto gates =
       g.AddCheck(AdjustedGates(),
                  Reading(o.gates.mapping, o.gates.poses, o.gates.adjustment, o.gates.calibration),
                  dataset, found, aligned, adjusted);
   const auto posed = g.AddView(PosedByAdjustment, dataset, adjusted);
 
-  g.AddStage(PartPoseGraph(), Reading(), matches, adjusted);
+  g.AddStage(PartPoseGraph(), Reading(), adjusted);
   const auto steps = g.AddStage(TrajectorySteps(), Reading(), odometry, graph, aligned, adjusted);
 
   // depth of the keyframes, fused on the poses -> coloured map, judged

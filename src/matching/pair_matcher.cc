@@ -6,6 +6,13 @@
 #include "correspondence/sightings.h"
 
 namespace rigmap {
+
+StereoPoseOptions PairPoseOptions(const MatchingOptions& options) {
+  return {.noise_px = options.keypoint_noise_px,
+          .max_sigmas = options.max_sigmas,
+          .min_inliers = options.verification.min_inliers};
+}
+
 VerifiedPair VerifyPair(const CandidatePair& pair, const Rigid3& predicted_b_from_a,
                         const MatchedFrame& a, const MatchedFrame& b, const StereoRig& rig,
                         const MatchingOptions& options) {
@@ -15,12 +22,8 @@ VerifiedPair VerifyPair(const CandidatePair& pair, const Rigid3& predicted_b_fro
       MatchFeatures(a.refinement.found, b.refinement.found,
                     PredictedPixels(a.points, predicted_b_from_a, rig), radius_px, {});
   const auto seen = SightingsOf(matches, a.points, b.refinement.found.features, rig);
-  StereoPoseOptions pose_options;
-  pose_options.noise_px = options.keypoint_noise_px;
-  pose_options.max_sigmas = options.max_sigmas;
-  pose_options.min_inliers = options.verification.min_inliers;
-  const auto pose =
-      EstimateStereoPose(seen.sightings, rig, std::array{predicted_b_from_a}, pose_options);
+  const auto pose = EstimateStereoPose(seen.sightings, rig, std::array{predicted_b_from_a},
+                                       PairPoseOptions(options));
   return pose ? VerifiedPair{seen.Agreeing(*pose), pose} : VerifiedPair{};
 }
 

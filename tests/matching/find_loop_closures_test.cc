@@ -6,41 +6,11 @@
 #include <cmath>
 #include <numbers>
 
-#include "matching/match_frames.h"
-#include "tests/support/rover_correspondences.h"
+#include "tests/matching/circling_rover.h"
 #include "tests/support/seeded_random.h"
-#include "tests/support/synthetic_rover.h"
 
 namespace rigmap {
 namespace {
-
-// Once round a circle and a little further.
-SyntheticRover CircleAndOn() {
-  std::vector<Rigid3> path;
-  for (int i = 0; i < 23; ++i) {
-    const double heading = 2.0 * std::numbers::pi * i / 20;
-    path.push_back(RoverPose(2.0 * std::sin(heading), 2.0 * (1.0 - std::cos(heading)), heading));
-  }
-  return MakeSyntheticRover({.points_per_m2 = 12.0, .pixel_sigma = 0.2, .textured_patches = true},
-                            path);
-}
-
-// Every step a degree too far to the left: 20 degrees at the end, far beyond any search radius.
-Odometry Drifting(const SyntheticRover& rover) {
-  std::vector<Rigid3> poses{rover.world_from_left.front()};
-  for (std::size_t i = 1; i < rover.world_from_left.size(); ++i) {
-    const Rigid3 step = rover.world_from_left[i - 1].Inverse() * rover.world_from_left[i];
-    const Rigid3 turn{ExpRotation({0.0, -std::numbers::pi / 180.0, 0.0}), Eigen::Vector3d::Zero()};
-    poses.push_back(poses.back() * step * turn);
-  }
-  return OdometryOfKeyframes(rover, poses);
-}
-
-Correspondences MatchRover(const SyntheticRover& rover, const Odometry& odometry,
-                           const MatchingOptions& options = {}) {
-  return MatchFrames(
-      odometry, [&](int frame) { return rover.frames[frame]; }, rover.rig, options);
-}
 
 TEST(FindLoopClosures, FindsWhatTheOdometryDoesNotKnow) {
   const SyntheticRover rover = CircleAndOn();
@@ -53,9 +23,7 @@ TEST(FindLoopClosures, FindsWhatTheOdometryDoesNotKnow) {
   for (const LoopClosure& loop_closure : found.loop_closures) {
     EXPECT_TRUE(loop_closure.by_appearance);
     EXPECT_LT(loop_closure.a, loop_closure.b);
-    const Rigid3 true_motion =
-        rover.world_from_left[loop_closure.b].Inverse() * rover.world_from_left[loop_closure.a];
-    const Rigid3 error = loop_closure.b_from_a * true_motion.Inverse();
+    const Rigid3 error = loop_closure.b_from_a * TrueMotion(rover, loop_closure).Inverse();
     EXPECT_LT(error.translation.norm(), 0.02) << loop_closure.a << " " << loop_closure.b;
     EXPECT_LT(AngleOf(error.rotation), 0.005);
     const auto pair = std::ranges::find_if(found.pairs, [&](const FramePair& p) {

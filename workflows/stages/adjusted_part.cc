@@ -26,8 +26,11 @@ AdjustedPart LayInWorld(const Dataset& dataset, const Odometry& odometry, Adjust
   std::fill_n(poses.begin(), FirstPosedFrame(odometry), std::nullopt);
   const LevelledWorld world = LevelWorld(poses, points, dataset);
   Trajectory trajectory = AssembleTrajectory(odometry, adjustment, world.world_from_gauge);
-  return {std::move(adjustment), odometry, world.world_from_gauge, world.up_source,
-          std::move(trajectory), {}};
+  return {.adjustment = std::move(adjustment),
+          .odometry = odometry,
+          .world_from_gauge = world.world_from_gauge,
+          .world_up = world.up_source,
+          .trajectory = std::move(trajectory)};
 }
 
 std::vector<std::optional<Rigid3>> PosesByFrame(const AlignedKeyframes& aligned,

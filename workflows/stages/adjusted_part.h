@@ -7,6 +7,7 @@
 #include "pipeline/stage.h"
 #include "scene/adjustment.h"
 #include "scene/aligned_keyframes.h"
+#include "scene/correspondences.h"
 #include "scene/dataset.h"
 #include "scene/keyframe_graph.h"
 #include "scene/odometry.h"
@@ -18,6 +19,7 @@ namespace rigmap {
 struct AdjustedPart {
   Adjustment adjustment;  // in its own gauge
   Odometry odometry;      // gives frames that are not adjusted their poses; by the corrected rig
+  std::vector<LoopClosure> loop_closures;  // that it started from, likewise
   Rigid3 world_from_gauge;
   WorldUp world_up = WorldUp::kCamera;
   Trajectory trajectory;             // every paired frame, in the world
@@ -28,7 +30,7 @@ struct AdjustedPart {
 
   template <class Archive>
   void serialize(Archive& archive) {
-    archive(adjustment, odometry, world_from_gauge, world_up, trajectory, remarks);
+    archive(adjustment, odometry, loop_closures, world_from_gauge, world_up, trajectory, remarks);
   }
 };
 

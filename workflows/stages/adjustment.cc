@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "adjustment/carry_groups.h"
+#include "matching/loop_closures_by_rig.h"
 #include "odometry/track_frames.h"
 #include "pipeline/code_identity.h"
 #include "pose_graph/relax_poses.h"
@@ -26,19 +27,20 @@ struct Adjuster {
   const Odometry& odometry;
   const Correspondences& matches;
   std::vector<std::optional<Rigid3>> mapped;  // world_from_left of the frames that COLMAP posed
+  const MatchingOptions& matching;
   const AdjustmentOptions& options;
   const OdometryOptions& odometry_options;
   const AdjustmentGateOptions& gates;
 
   AdjustedPart From(StartingFrom from) const {
     return From(from == StartingFrom::kMapping ? mapped : std::vector<std::optional<Rigid3>>(),
-                odometry, RigRefinement::kNone, CalibrationVector::Zero());
+                {odometry, matches.loop_closures}, RigRefinement::kNone, CalibrationVector::Zero());
   }
 
   // With the rig that `part` has found to be the right one.
   AdjustedPart WithItsRig(const AdjustedPart& part) const {
     AdjustedPart anew =
-        From({}, TrackWith(part), part.adjustment.refined, part.adjustment.rig_correction);
+        From({}, MotionsWith(part), part.adjustment.refined, part.adjustment.rig_correction);
     anew.remarks.push_back(
         "the images contradict the calibration: the rig was corrected (rig_refined.yaml), the "
         "odometry done anew with it");
@@ -50,18 +52,27 @@ struct Adjuster {
   }
 
  private:
-  AdjustedPart From(const std::vector<std::optional<Rigid3>>& start, const Odometry& steps,
+  // As one rig measures them.
+  struct Motions {
+    Odometry steps;
+    std::vector<LoopClosure> loop_closures;
+  };
+
+  AdjustedPart From(const std::vector<std::optional<Rigid3>>& start, Motions motions,
                     RigRefinement refined, const CalibrationVector& correction) const {
-    const auto starting = RelaxPoses(StartingPoses(steps, start), steps, matches.loop_closures);
+    const auto starting =
+        RelaxPoses(StartingPoses(motions.steps, start), motions.steps, motions.loop_closures);
     Adjustment adjustment =
         AdjustBundle({matches, dataset.rig, starting, refined, correction}, options);
     CarryGroupsAlong(starting, adjustment);
-    return LayInWorld(dataset, steps, std::move(adjustment));
+    AdjustedPart part = LayInWorld(dataset, motions.steps, std::move(adjustment));
+    part.loop_closures = std::move(motions.loop_closures);
+    return part;
   }
 
   // With the part's rig, near its poses: a step that was once lost was found by the matches since.
   // Which frames are keyframes stays as it was: they have been matched.
-  Odometry TrackWith(const AdjustedPart& part) const {
+  Motions MotionsWith(const AdjustedPart& part) const {
     const auto expected = [&](int from, int to) {
       return std::optional(part.trajectory[to].world_from_left.Inverse() *
                            part.trajectory[from].world_from_left);
@@ -69,7 +80,7 @@ struct Adjuster {
     Odometry steps = TrackFrames(features.frame_count(), features.AsSource(), part.adjustment.rig,
                                  odometry_options, MatchBy::kDescriptors, expected);
     for (std::size_t i = 0; i < steps.size(); ++i) steps[i].keyframe = odometry[i].keyframe;
-    return steps;
+    return {std::move(steps), LoopClosuresByRig(matches, part.adjustment.rig, matching)};
   }
 };
 
@@ -96,11 +107,12 @@ AdjustedPart MakeAdjusted(const StageContext&, const Dataset& dataset, const Dat
                           const FeatureStore& features, const Odometry& odometry,
                           const Correspondences& matches, const KeyframeGraph& graph,
                           const AlignedKeyframes& aligned, const InTurn<StartingFrom>& ways,
-                          const AdjustmentOptions& options, const OdometryOptions& odometry_options,
+                          const MatchingOptions& matching, const AdjustmentOptions& options,
+                          const OdometryOptions& odometry_options,
                           const AdjustmentGateOptions& gates) {
   return AdjustInTurn(
-      {dataset, features, odometry, matches, PosesByFrame(aligned, graph, odometry.size()), options,
-       odometry_options, gates},
+      {dataset, features, odometry, matches, PosesByFrame(aligned, graph, odometry.size()),
+       matching, options, odometry_options, gates},
       ways);
 }
 

@@ -9,6 +9,7 @@
 #include "dataset/dataset_content.h"
 #include "features/feature_store.h"
 #include "gates/gates.h"
+#include "matching/matching_options.h"
 #include "odometry/odometry_options.h"
 #include "pipeline/stage.h"
 #include "scale/baseline_scale.h"
@@ -24,14 +25,14 @@ namespace rigmap {
 enum class StartingFrom { kMapping, kOdometry };
 constexpr auto NamesOf(StartingFrom) { return std::array{"mapping", "odometry"}; }
 
-using AdjustmentStage =
-    Stage<AdjustedPart,
-          Takes<Dataset, DatasetContent, FeatureStore, Odometry, Correspondences, KeyframeGraph,
-                AlignedKeyframes>,
-          Reads<InTurn<StartingFrom>, AdjustmentOptions, OdometryOptions, AdjustmentGateOptions>>;
-// Where the images correct the rig, the odometry is done anew with the corrected rig and the
-// adjustment starts from that, since steps that only the odometry knows were measured with the
-// wrong rig. Else, where a gate on the adjustment fails, it begins again from the other poses.
+using AdjustmentStage = Stage<AdjustedPart,
+                              Takes<Dataset, DatasetContent, FeatureStore, Odometry,
+                                    Correspondences, KeyframeGraph, AlignedKeyframes>,
+                              Reads<InTurn<StartingFrom>, MatchingOptions, AdjustmentOptions,
+                                    OdometryOptions, AdjustmentGateOptions>>;
+// Where the images correct the rig, the odometry is done anew and loop closures are measured anew
+// with the corrected rig, and the adjustment starts from that, since both erred as the wrong rig
+// did. Else, where a gate on the adjustment fails, it begins again from the other poses.
 AdjustmentStage RigAdjustment();
 // For a recipe in which a later stage publishes poses and points.
 void PublishCalibrationOnly(AdjustmentStage& stage);

@@ -30,18 +30,17 @@ Report Describe(const PartGraph& part) {
           {"edge_kinds", std::move(kinds)}};
 }
 
-PoseGraphText MakePoseGraph(const StageContext&, const Correspondences& matches,
-                            const AdjustedPart& part) {
+PoseGraphText MakePoseGraph(const StageContext&, const AdjustedPart& part) {
   std::vector<std::optional<Rigid3>> poses;
   for (const auto& pose : part.adjustment.world_from_left) {
     poses.push_back(pose ? std::optional(part.world_from_gauge * *pose) : std::nullopt);
   }
-  const PartGraph graph = BuildPartGraph(poses, part.odometry, matches.loop_closures);
+  const PartGraph graph = BuildPartGraph(poses, part.odometry, part.loop_closures);
   return {WriteG2o(graph.graph), Describe(graph).dump(1) + "\n"};
 }
 
 void PublishPoseGraph(Publication& publication, const StageContext&, const PoseGraphText& text,
-                      const Correspondences&, const AdjustedPart&) {
+                      const AdjustedPart&) {
   publication.File("posegraph.g2o", [&](std::ostream& stream) { stream << text.g2o; });
   publication.File("posegraph.json", [&](std::ostream& stream) { stream << text.json; });
 }

@@ -4,7 +4,6 @@
 #include <string>
 
 #include "pipeline/stage.h"
-#include "scene/correspondences.h"
 #include "workflows/stages/adjusted_part.h"
 
 namespace rigmap {
@@ -19,7 +18,7 @@ struct PoseGraphText {
   }
 };
 
-using PoseGraphStage = Stage<PoseGraphText, Takes<Correspondences, AdjustedPart>, Reads<>>;
+using PoseGraphStage = Stage<PoseGraphText, Takes<AdjustedPart>, Reads<>>;
 // Adjusted poses in the world, and between them the steps that the odometry measured and the loop
 // closures, each with its information.
 PoseGraphStage PartPoseGraph();

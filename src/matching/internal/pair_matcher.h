@@ -16,6 +16,9 @@ struct VerifiedPair {
   std::optional<StereoPose> b_from_a;
 };
 
+// What a motion is to fulfil that two matched frames agree with.
+StereoPoseOptions PairPoseOptions(const MatchingOptions& options);
+
 // Matches whose stereo point in a agrees with both eyes of b under one motion, searched for near
 // where `predicted_b_from_a` shows it: within search_radius_px if that motion was measured, else
 // within as much more as the odometry may be off after so many frames.
