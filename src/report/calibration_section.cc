@@ -99,6 +99,33 @@ std::string CorrectionTable(const FigureSource& summary) {
   return table.Text();
 }
 
+// Both cameras as the rig file has them and as they were used.
+std::string CameraTable(const FigureSource& summary) {
+  if (!HasFigure(summary, "/rig/given/baseline_m")) return "";
+  const auto is_equal = [&](const std::string& key) {
+    return At(summary.json, "/rig/given" + key) == At(summary.json, "/rig/used" + key);
+  };
+  HtmlTable table({"Calibration", "Rig file", "Used"});
+  const auto row = [&](const std::string& name, const std::string& key) {
+    table.Row(
+        {name, Figure(summary, "/rig/given" + key, Quantity::kCalibration),
+         is_equal(key) ? "the same" : Figure(summary, "/rig/used" + key, Quantity::kCalibration)});
+  };
+  for (const std::string eye : {"left", "right"}) {
+    for (const std::string parameter : {"fx", "fy", "cx", "cy", "k1", "k2", "p1", "p2"}) {
+      const bool is_px = parameter[0] == 'f' || parameter[0] == 'c';
+      row(fmt::format("{} {}{}", eye, parameter, is_px ? ", px" : ""),
+          fmt::format("/{}/{}", eye, parameter));
+    }
+  }
+  for (int axis = 0; axis < 3; ++axis) {
+    row(fmt::format("right from left, turn about {}, degrees", "xyz"[axis]),
+        fmt::format("/right_from_left_deg/{}", axis));
+  }
+  row("baseline, m", "/baseline_m");
+  return "<details><summary>The rig's parameters</summary>" + table.Text() + "</details>\n";
+}
+
 std::string RingTable(const FigureSource& summary) {
   HtmlTable table(
       {"Distance from the image's middle", "Tracks", "Stereo less temporal depth", "in disparity"});
@@ -190,7 +217,7 @@ std::string CalibrationSection(const PartContent& content) {
   const bool refined = At(summary.json, "/rig/refined") == Json(true);
   const std::string drawings =
       CellTable(summary) + ResidualField(content) + CorrelationDrawing(calibration);
-  const std::string body = table + RingTable(summary) +
+  const std::string body = table + CameraTable(summary) + RingTable(summary) +
                            (drawings.empty() ? "" : "<div class=\"pair\">" + drawings + "</div>\n");
   return HtmlSection(
       "calibration", "Calibration",

@@ -75,6 +75,32 @@ Json ErrorSeries(const Trajectory& trajectory, const Json& truth) {
   return {Series("horizontal", horizontal), Series("height", vertical)};
 }
 
+// Each fix's horizontal distance from the path at its time, over the distance driven.
+Json FixChart(const Trajectory& trajectory, const std::vector<double>& distances,
+              const Json& fixes) {
+  Json distance = Json::array(), off = Json::array();
+  double last = -1.0;
+  for (const Json& fix : fixes) {
+    const auto stamp_ns = fix[0].get<StampNs>();
+    const auto after = std::ranges::upper_bound(trajectory, stamp_ns, {}, &TimedPose::stamp_ns);
+    if (after == trajectory.begin() || after == trajectory.end()) continue;
+    const auto before = std::prev(after);
+    const double share = static_cast<double>(stamp_ns - before->stamp_ns) /
+                         static_cast<double>(after->stamp_ns - before->stamp_ns);
+    const auto between = [&](const auto& from, const auto& to) {
+      return ((1.0 - share) * from + share * to);
+    };
+    const Eigen::Vector2d there = between(before->world_from_left.translation.head<2>().eval(),
+                                          after->world_from_left.translation.head<2>().eval());
+    const auto index = static_cast<std::size_t>(before - trajectory.begin());
+    last = std::max(ToMillimetre(between(distances[index], distances[index + 1])), last + 1e-6);
+    distance.push_back(last);
+    off.push_back(Rounded5(1000.0 * (Eigen::Vector2d(fix[1], fix[2]) - there).norm()));
+  }
+  return Chart("fixes", distance, "distance driven, m", "distance, mm",
+               {Series("RTK fixes, horizontally", off)});
+}
+
 Json PointSeries(const Trajectory& trajectory, const SparseStatistics& statistics) {
   const auto value = [&](const TimedPose& pose) -> Json {
     const auto image = statistics.images.find(pose.stamp_ns);
@@ -107,6 +133,9 @@ Json Charts(const PartContent& content) {
   if (const Json& truth = At(content.folder.reference, "/truth"); truth.size() > 1) {
     charts.push_back(
         Chart("errors", distance, kDistance, "error, mm", ErrorSeries(trajectory, truth)));
+  }
+  if (const Json& fixes = At(content.folder.reference, "/rtk"); fixes.size() > 1) {
+    charts.push_back(FixChart(trajectory, DistancesAlong(trajectory), fixes));
   }
   if (content.sparse) {
     charts.push_back(Chart("points-per-frame", frame, "frame", "points",
@@ -150,14 +179,11 @@ Json DescribePoses(const Trajectory& trajectory) {
           {"keyframe", Values(trajectory, [](const auto& pose) { return pose.keyframe; })}};
 }
 
-Json LeftCameraOf(const PartContent& content) {
-  if (content.folder.sparse) {
-    for (const SparseCamera& camera : content.folder.sparse->cameras) {
-      if (camera.eye != Eye::kLeft) continue;
-      const Camera& c = camera.camera;
-      return {{"width", c.width}, {"height", c.height}, {"fx", c.fx},
-              {"fy", c.fy},       {"cx", c.cx},         {"cy", c.cy}};
-    }
+Json DescribeLeftCamera(const PartContent& content) {
+  const auto& sparse = content.folder.sparse;
+  if (const Camera* c = sparse ? LeftCameraOf(*sparse) : nullptr) {
+    return {{"width", c->width}, {"height", c->height}, {"fx", c->fx},
+            {"fy", c->fy},       {"cx", c->cx},         {"cy", c->cy}};
   }
   return {{"width", 4}, {"height", 3}, {"fx", 4}, {"fy", 4}, {"cx", 2}, {"cy", 1.5}};
 }
@@ -215,6 +241,12 @@ std::string RouteSection(const PartContent& content) {
                         Figure(evaluation, "/ate_se3_pct", Quantity::kPercent));
     body += "<h3>Error over distance</h3>\n<div data-chart=\"errors\"></div>\n";
   }
+  if (At(content.folder.reference, "/rtk").size() > 1) {
+    body +=
+        "<h3>Fixes over distance</h3>\n<p>Horizontally, after the rigid motion that lays the path "
+        "on them; those that were not used are among them.</p>\n"
+        "<div data-chart=\"fixes\"></div>\n";
+  }
   body +=
       "<h3>Sigma over distance</h3>\n<div data-chart=\"sigmas\"></div>\n"
       "<h3>Height over distance</h3>\n<div data-chart=\"height\"></div>\n";
@@ -238,7 +270,7 @@ Json PageData(const PartContent& content) {
                {"truth", Positions(At(content.folder.reference, "/truth"))},
                {"rtk", Positions(At(content.folder.reference, "/rtk"))},
                {"rocks", RocksOfView(content)},
-               {"camera", LeftCameraOf(content)},
+               {"camera", DescribeLeftCamera(content)},
                {"bounds", BoundsOfScene(content)},
                {"pathLength", distances.empty() ? 0.0 : ToMillimetre(distances.back())}};
   if (trajectory.size() > 1) data["poses"] = DescribePoses(trajectory);

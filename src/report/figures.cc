@@ -42,6 +42,7 @@ ShownAs UnitOf(double value, Quantity quantity) {
       return {1.0, "MB"};
     case Quantity::kCount:
     case Quantity::kRatio:
+    case Quantity::kCalibration:
     case Quantity::kExact:
       break;
   }
@@ -90,7 +91,7 @@ bool HasFigure(const FigureSource& source, const std::string& pointer) {
 }
 
 std::string Figure(const FigureSource& source, const std::string& pointer, Quantity quantity) {
-  return BoundFigure(source, pointer, quantity, 3);
+  return BoundFigure(source, pointer, quantity, quantity == Quantity::kCalibration ? 6 : 3);
 }
 
 std::string PlusMinus(const FigureSource& source, const std::string& pointer, Quantity quantity) {

@@ -20,7 +20,8 @@ enum class Quantity {
   kSeconds,
   kMegabytes,
   kRatio,
-  kExact  // as the file has it
+  kCalibration,  // a parameter of a camera, six digits
+  kExact         // as the file has it
 };
 
 // A JSON document by the name that the report knows it by: summary, evaluation, comparison, map.

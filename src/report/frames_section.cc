@@ -26,15 +26,6 @@ std::set<std::string> UnreadableNames(const Json& summary) {
   return names;
 }
 
-double MedianPoints(const SparseStatistics& statistics) {
-  std::vector<std::size_t> counts;
-  for (const auto& [stamp, image] : statistics.images) counts.push_back(image.points);
-  if (counts.empty()) return 0.0;
-  const auto middle = counts.begin() + static_cast<std::ptrdiff_t>(counts.size() / 2);
-  std::ranges::nth_element(counts, middle);
-  return static_cast<double>(*middle);
-}
-
 std::vector<std::string> FaultsOf(const TimedPose& pose, const PartContent& content,
                                   double median_points) {
   std::vector<std::string> faults;
@@ -55,7 +46,7 @@ std::vector<std::string> FaultsOf(const TimedPose& pose, const PartContent& cont
 
 std::vector<JudgedFrame> BadFrames(const PartContent& content) {
   const std::set<std::string> unreadable = UnreadableNames(content.folder.summary);
-  const double median_points = content.sparse ? MedianPoints(*content.sparse) : 0.0;
+  const double median_points = content.sparse ? MedianPointsOfImages(*content.sparse) : 0.0;
   std::vector<JudgedFrame> bad;
   const Trajectory& trajectory = content.folder.trajectory;
   for (std::size_t i = 0; i < trajectory.size(); ++i) {

@@ -86,7 +86,10 @@ std::string MapSection(const PartContent& content) {
       "side of the cubes in which measurements are merged; coarser where less is known");
   row("Sigma, median", "/median_sigma_m", Quantity::kMetres,
       "of one measurement along its rays, without errors that frames share");
-  row("Overlap, median", "/median_observations", Quantity::kCount,
+  row("Overlap, median", "/median_images", Quantity::kCount, "left images that show a spot");
+  row("Ground sample distance", "/pixel_m", Quantity::kMetres,
+      "a pixel's width on the ground, in the nearest image of a spot, median");
+  row("Observations, median", "/median_observations", Quantity::kCount,
       "depth pixels that were merged into a point");
   row("Ground covered", "/area_m2", Quantity::kRatio, "m\u00b2, cells of 2 cm with points");
   row("Density", "/points_per_m2", Quantity::kRatio, "points per m\u00b2 of that ground");
@@ -95,7 +98,8 @@ std::string MapSection(const PartContent& content) {
       "Made of depth that several frames agree upon. Colour the 3-D view by sigma to see where it "
       "is good, or by observations to see how much was merged into a point: far away, where points "
       "are coarse, that is much.",
-      table.Text() + RockTable(content));
+      "<div class=\"pair\"><div>" + table.Text() + "</div>" + OverlapDrawing(content) + "</div>" +
+          RockTable(content));
 }
 
 }  // namespace rigmap

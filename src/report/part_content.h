@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "report/map_views.h"
 #include "report/point_planes.h"
 #include "report/result_folder.h"
 #include "report/sparse_statistics.h"
@@ -19,6 +20,7 @@ struct PartContent {
   std::optional<SparseStatistics> sparse;
   std::optional<ThinCloud> cloud;
   PackedPoints points;
+  std::optional<MapViews> views;
   Json map;  // figures of the map that stand in no file; the report's data holds them
   std::map<StampNs, std::string> thumbnails;  // data URLs
 
@@ -44,6 +46,9 @@ std::set<StampNs> FramesThatStandOut(const PartContent& content);
 // For the scripts: poses, reference, rocks, points, and the curves that they draw into the
 // sections.
 Json PageData(const PartContent& content);
+
+// From how many images each spot of the map is seen, as SVG; empty where that is not known.
+std::string OverlapDrawing(const PartContent& content);
 
 // Route, reference, rocks and enlarged sigmas from above, as SVG; empty without a path.
 std::string RouteDrawing(const PartContent& content);

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <oneapi/tbb/parallel_for.h>
 
+#include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <vector>
@@ -46,6 +47,24 @@ std::map<StampNs, std::string> Thumbnails(const std::map<StampNs, std::filesyste
     if (!urls[i].empty()) thumbnails.emplace(taken[i].first, std::move(urls[i]));
   }
   return thumbnails;
+}
+
+std::string ColouredPictureUrl(const std::vector<double>& shares, int columns) {
+  const int rows = static_cast<int>(shares.size()) / columns;
+  cv::Mat grey(rows, columns, CV_8U), seen(rows, columns, CV_8U), colours;
+  for (int row = 0; row < rows; ++row) {
+    for (int column = 0; column < columns; ++column) {
+      const double share = shares[static_cast<std::size_t>(row * columns + column)];
+      grey.at<std::uint8_t>(row, column) = cv::saturate_cast<std::uint8_t>(255.0 * share);
+      seen.at<std::uint8_t>(row, column) = share < 0.0 ? 0 : 255;
+    }
+  }
+  cv::applyColorMap(grey, colours, cv::COLORMAP_VIRIDIS);
+  cv::cvtColor(colours, colours, cv::COLOR_BGR2BGRA);
+  cv::insertChannel(seen, colours, 3);
+  std::vector<std::uint8_t> bytes;
+  cv::imencode(".png", colours, bytes);
+  return "data:image/png;base64," + Base64(bytes);
 }
 
 }  // namespace rigmap

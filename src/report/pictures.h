@@ -5,6 +5,7 @@
 #include <map>
 #include <set>
 #include <string>
+#include <vector>
 
 #include "core/stamp.h"
 
@@ -20,5 +21,9 @@ std::string PictureUrl(const std::filesystem::path& path, int side_px, int quali
 inline constexpr std::size_t kMostThumbnails = 600;
 std::map<StampNs, std::string> Thumbnails(const std::map<StampNs, std::filesystem::path>& images,
                                           const std::set<StampNs>& wanted = {});
+
+// Shares of 0 to 1, row by row, as a PNG of a pixel each from dark blue to yellow (viridis, which
+// colour-blind people can read); negative ones are transparent.
+std::string ColouredPictureUrl(const std::vector<double>& shares, int columns);
 
 }  // namespace rigmap

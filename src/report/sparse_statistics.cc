@@ -6,6 +6,8 @@
 #include <set>
 #include <unordered_map>
 
+#include "core/statistics.h"
+
 namespace rigmap {
 namespace {
 
@@ -17,13 +19,6 @@ StampNs StampOfName(const std::string& name) {
   StampNs stamp_ns = 0;
   std::from_chars(stem.data(), stem.data() + stem.size(), stamp_ns);
   return stamp_ns;
-}
-
-const Camera* LeftCamera(const SparseModel& model) {
-  for (const SparseCamera& camera : model.cameras) {
-    if (camera.eye == Eye::kLeft) return &camera.camera;
-  }
-  return nullptr;
 }
 
 using PointPositions = std::unordered_map<std::uint64_t, Eigen::Vector3d>;
@@ -84,6 +79,19 @@ void PutMatrix(const SparseModel& model, SparseStatistics& statistics) {
 
 }  // namespace
 
+const Camera* LeftCameraOf(const SparseModel& model) {
+  for (const SparseCamera& camera : model.cameras) {
+    if (camera.eye == Eye::kLeft) return &camera.camera;
+  }
+  return nullptr;
+}
+
+double MedianPointsOfImages(const SparseStatistics& statistics) {
+  std::vector<std::size_t> counts;
+  for (const auto& [stamp, image] : statistics.images) counts.push_back(image.points);
+  return counts.empty() ? 0.0 : static_cast<double>(Median(std::move(counts)));
+}
+
 SparseStatistics StatisticsOf(const SparseModel& model) {
   SparseStatistics statistics{.points = model.points.size()};
   PointPositions positions;
@@ -95,7 +103,7 @@ SparseStatistics StatisticsOf(const SparseModel& model) {
     statistics.observations += point.track.size();
   }
   PutMatrix(model, statistics);
-  const Camera* camera = LeftCamera(model);
+  const Camera* camera = LeftCameraOf(model);
   if (!camera) return statistics;
   statistics.width = camera->width;
   statistics.height = camera->height;

@@ -36,6 +36,12 @@ struct SparseStatistics {
   std::vector<std::size_t> matrix;
 };
 
+// The left camera of a model; null where it has none.
+const Camera* LeftCameraOf(const SparseModel& model);
+
 SparseStatistics StatisticsOf(const SparseModel& model);
+
+// How many points the median left image shows; 0 without any.
+double MedianPointsOfImages(const SparseStatistics& statistics);
 
 }  // namespace rigmap

@@ -71,10 +71,20 @@ std::string TracksSection(const PartContent& content) {
         Figure(summary, "/revisits/pairs", Quantity::kCount),
         Figure(summary, "/revisits/by_appearance", Quantity::kCount));
   }
+  if (HasFigure(summary, "/matches/matches_median")) {
+    body += fmt::format(
+        "<p>A left image has {} keypoints. {} pairs of frames are matched, by {} matches each "
+        "(medians).</p>\n",
+        Figure(summary, "/matches/keypoints_median", Quantity::kCount),
+        Figure(summary, "/matches/pairs", Quantity::kCount),
+        Figure(summary, "/matches/matches_median", Quantity::kCount));
+  }
   if (content.sparse) {
     const SparseStatistics& statistics = *content.sparse;
-    body += fmt::format("<p>{} points of the sparse model, seen {} times in all images.</p>\n",
-                        statistics.points, statistics.observations);
+    body += fmt::format(
+        "<p>{} points of the sparse model, seen {} times in all images; a left image shows {:.0f} "
+        "of them (median).</p>\n",
+        statistics.points, statistics.observations, MedianPointsOfImages(statistics));
     body += "<div data-chart=\"points-per-frame\"></div>\n";
     body += "<div class=\"pair\"><div>" + TrackLengths(statistics) + "</div>" +
             SharedPoints(statistics) + "</div>\n";

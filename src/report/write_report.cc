@@ -68,6 +68,16 @@ Json DescribeMap(const ThinCloud& cloud, const Json& summary) {
   return map;
 }
 
+void AddViews(PartContent& content) {
+  const auto& sparse = content.folder.sparse;
+  const Camera* left = sparse ? LeftCameraOf(*sparse) : nullptr;
+  if (!left) return;
+  content.views = ViewsOf(content.cloud->points, *left, content.folder.trajectory);
+  if (!content.views) return;
+  content.map["median_images"] = content.views->median_images;
+  content.map["pixel_m"] = content.views->median_pixel_m;
+}
+
 Page PageOfPart(ResultFolder folder, const ReportRequest& request) {
   if (!request.images.empty()) folder.images = request.images;
   PartContent content{.folder = std::move(folder), .changed_options = request.changed_options};
@@ -76,6 +86,7 @@ Page PageOfPart(ResultFolder folder, const ReportRequest& request) {
   if (content.cloud) {
     content.points = PackPoints(content.cloud->points, content.cloud->finest_m);
     content.map = DescribeMap(*content.cloud, content.folder.summary);
+    AddViews(content);
   }
   content.thumbnails = Thumbnails(content.folder.images, FramesThatStandOut(content));
   return PartPage(content);

@@ -149,6 +149,7 @@ async function view() {
   await shoot(page, 'flight');
   await page.keyboard.press('Escape');
   must(!(await page.evaluate(() => window.rigmapView.flight)), 'the flight does not end');
+  await ruler(page);
   await page.keyboard.press('o');
   await clickCamera(page);
   must((await page.$$('.uplot')).length > 1, 'no curves were drawn');
@@ -159,6 +160,23 @@ async function view() {
   must(await page.$eval('.viewer', (e) => getComputedStyle(e).display) === 'none', 'the view is printed');
   must((await page.pdf({ format: 'A4' })).length > 20000, 'the print is empty');
   await page.close();
+}
+
+// The bar of length against two points as far apart, where the camera turns about.
+async function ruler(page) {
+  await page.keyboard.press('t');
+  const [bar_px, text, metre_px] = await page.evaluate(() => {
+    const view = window.rigmapView;
+    view.draw(performance.now());
+    const bar = document.querySelector('.rulers .length');
+    const middle = view.controls.target;
+    const [u, v] = view.project(middle.toArray());
+    const [u1, v1] = view.project([middle.x + 1, middle.y, middle.z]);
+    return [bar.getBoundingClientRect().width, bar.textContent, Math.hypot(u1 - u, v1 - v)];
+  });
+  const [, number, unit] = text.match(/^([\d.]+) (mm|cm|m|km)$/) ?? [];
+  const length_m = Number(number) * { mm: 0.001, cm: 0.01, m: 1, km: 1000 }[unit];
+  must(Math.abs(bar_px / (length_m * metre_px) - 1) < 0.03, `${text} is drawn with ${bar_px} px, a metre is ${metre_px}`);
 }
 
 async function clickCamera(page) {

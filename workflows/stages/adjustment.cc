@@ -135,6 +135,20 @@ void PublishAdjusted(Publication& publication, const StageContext& context,
                aligned);
 }
 
+Report CameraReport(const Camera& camera) {
+  return {{"fx", camera.fx}, {"fy", camera.fy}, {"cx", camera.cx}, {"cy", camera.cy},
+          {"k1", camera.k1}, {"k2", camera.k2}, {"p1", camera.p1}, {"p2", camera.p2}};
+}
+
+Report RigReport(const StereoRig& rig) {
+  const auto rotation_deg =
+      Eigen::Vector3d(180.0 / std::numbers::pi * LogRotation(rig.right_from_left.rotation));
+  return {{"left", CameraReport(rig.left.camera)},
+          {"right", CameraReport(rig.right.camera)},
+          {"right_from_left_deg", {rotation_deg.x(), rotation_deg.y(), rotation_deg.z()}},
+          {"baseline_m", rig.Baseline()}};
+}
+
 // How the rig was corrected: the turn of the right eye about its own axes, the focal lengths'
 // change, what that moves in the right image; and how well the rig in use is known.
 Report DescribeRigChange(const StereoRig& calibrated, const Adjustment& adjustment) {
@@ -149,7 +163,9 @@ Report DescribeRigChange(const StereoRig& calibrated, const Adjustment& adjustme
           {"focal_changed_pct", focal_pct},
           {"largest_shift_px", adjustment.correction_px},
           {"infinity_offset_px", adjustment.infinity_offset_px},
-          {"infinity_offset_sigma_px", adjustment.infinity_offset_sigma_px}};
+          {"infinity_offset_sigma_px", adjustment.infinity_offset_sigma_px},
+          {"given", RigReport(calibrated)},
+          {"used", RigReport(used)}};
 }
 
 Report ReportAdjusted(const AdjustedPart& part, const Dataset& dataset, const DatasetContent&,

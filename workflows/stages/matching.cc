@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "core/statistics.h"
 #include "pipeline/code_identity.h"
 
 namespace rigmap {
@@ -15,10 +16,17 @@ Correspondences MakeMatches(const StageContext&, const Dataset& dataset,
 
 Report ReportMatches(const Correspondences& found, const Dataset&, const FeatureStore&,
                      const Odometry&) {
-  return {{"revisits",
-           {{"pairs", found.loop_closures.size()},
-            {"by_appearance",
-             std::ranges::count(found.loop_closures, true, &LoopClosure::by_appearance)}}}};
+  Report report{{"revisits",
+                 {{"pairs", found.loop_closures.size()},
+                  {"by_appearance",
+                   std::ranges::count(found.loop_closures, true, &LoopClosure::by_appearance)}}}};
+  std::vector<std::size_t> keypoints, matches;
+  for (const auto& of_frame : found.features) keypoints.push_back(of_frame.size());
+  for (const FramePair& pair : found.pairs) matches.push_back(pair.matches.size());
+  if (!keypoints.empty()) report["matches"]["keypoints_median"] = Median(std::move(keypoints));
+  report["matches"]["pairs"] = matches.size();
+  if (!matches.empty()) report["matches"]["matches_median"] = Median(std::move(matches));
+  return report;
 }
 
 }  // namespace

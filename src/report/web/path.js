@@ -136,9 +136,15 @@ function label(text) {
   return sprite;
 }
 
-// A ring around each rock, the highest with their heights.
+// Between points that follow each other, the median.
+export function usualGap(points) {
+  const gaps = points.slice(1).map((p, i) => Math.hypot(p[0] - points[i][0], p[1] - points[i][1], p[2] - points[i][2]));
+  return gaps.sort((a, b) => a - b)[gaps.length >> 1] ?? Infinity;
+}
+
+// A ring around each rock, the highest with their heights: labels, the highest first.
 export function rockMarks(rocks, extent) {
-  const group = new THREE.Group();
+  const group = new THREE.Group(), labels = [];
   const vertices = [];
   rocks.forEach((rock, index) => {
     const on = (t) => [rock.x + 0.6 * rock.width * Math.cos(t), rock.y + 0.6 * rock.width * Math.sin(t), rock.top];
@@ -147,7 +153,8 @@ export function rockMarks(rocks, extent) {
     const sprite = label(`${rock.height.toFixed(2)} m`);
     sprite.position.set(rock.x, rock.y, rock.top + extent / 50);
     group.add(sprite);
+    labels.push(sprite);
   });
   group.add(lines(vertices, COLOURS.rock));
-  return group;
+  return { group, labels };
 }

@@ -7,9 +7,12 @@ import { observationsOf, sigmaOf, unpackLevel } from './points.js';
 import { FIELD_OF_VIEW_DEG, moves } from './moves.js';
 import * as marks from './path.js';
 import { makePanel } from './panel.js';
+import { makeRulers } from './rulers.js';
 
 const PICK_REACH_PX = 6, CAMERA_REACH_PX = 14;
 const SLOW_FRAME_MS = 50;
+const FIX_PX = 9, LEAST_FIX_PX = 2.5;
+const LABEL_WIDTH_PX = 64, LABEL_HEIGHT_PX = 18;
 
 class View {
   constructor(place, data, renderer) {
@@ -62,8 +65,15 @@ class View {
       }
     }
     if (truth.length) this.addLayer('truth', 'True path', marks.polyline(truth, 5, marks.COLOURS.truth), true, marks.COLOURS.truth);
-    if (rtk.length) this.addLayer('rtk', 'RTK fixes', marks.dots(rtk, 9, marks.COLOURS.rtk), true, marks.COLOURS.rtk);
-    if (rocks.length) this.addLayer('rocks', 'Rocks', marks.rockMarks(rocks, this.extent), true, marks.COLOURS.rock);
+    if (rtk.length) {
+      this.fixes = marks.dots(rtk, FIX_PX, marks.COLOURS.rtk);
+      this.fixesApart = marks.usualGap(rtk);
+      this.addLayer('rtk', 'RTK fixes', this.fixes, true, marks.COLOURS.rtk);
+    }
+    if (rocks.length) {
+      this.rocks = marks.rockMarks(rocks, this.extent);
+      this.addLayer('rocks', 'Rocks', this.rocks.group, true, marks.COLOURS.rock);
+    }
   }
 
   resize() {
@@ -91,14 +101,28 @@ class View {
     this.camera.near = Math.max(toTarget * 0.005, this.extent * 1e-5);
     this.camera.far = toTarget + 4 * this.extent;
     this.camera.updateProjectionMatrix();
-    if (this.cloud) {
-      const size = this.renderer.getDrawingBufferSize(new THREE.Vector2());
-      this.cloud.material.uniforms.pxPerUnit.value = size.y / (2 * Math.tan((FIELD_OF_VIEW_DEG * Math.PI) / 360));
-    }
+    const pxPerUnit = this.place.clientHeight / (2 * Math.tan((FIELD_OF_VIEW_DEG * Math.PI) / 360));
+    if (this.cloud) this.cloud.material.uniforms.pxPerUnit.value = pxPerUnit * this.renderer.getPixelRatio();
+    this.rulers?.(this.camera, pxPerUnit / toTarget);
+    this.makeRoom(pxPerUnit / toTarget);
     this.renderer.render(this.scene, this.camera);
     this.work.push(performance.now() - before);
     if (this.work.length > 200) this.work.shift();
     this.spare(now);
+  }
+
+  // From afar fixes shrink to a line, and of labels that would cover each other the tallest rock's
+  // stays.
+  makeRoom(pxPerMetre) {
+    if (this.fixes) {
+      this.fixes.material.size = Math.min(FIX_PX, Math.max(LEAST_FIX_PX, 0.7 * this.fixesApart * pxPerMetre));
+    }
+    const taken = [];
+    for (const label of this.rocks?.labels ?? []) {
+      const [u, v] = this.project(label.position.toArray());
+      label.visible = !taken.some(([x, y]) => Math.abs(x - u) < LABEL_WIDTH_PX && Math.abs(y - v) < LABEL_HEIGHT_PX);
+      if (label.visible) taken.push([u, v]);
+    }
   }
 
   // While it moves on a machine that is too slow for all points, the coarse levels stand for them.
@@ -277,6 +301,7 @@ export async function openView(data) {
   place.append(canvas);
   const view = new View(place, data, renderer);
   view.panel = makePanel(section, view);
+  view.rulers = makeRulers(place);
   view.resize();
   view.seeFrom('oblique');
   view.listen();
