@@ -1,4 +1,4 @@
-// The route with its curves, and what the scripts draw.
+// The route with its curves.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -6,21 +6,10 @@
 
 #include "report/html.h"
 #include "report/part_content.h"
+#include "report/rounded.h"
 
 namespace rigmap {
 namespace {
-
-double Rounded5(double value) {
-  return value == 0.0 || !std::isfinite(value) ? 0.0 : std::stod(fmt::format("{:.5g}", value));
-}
-double ToMillimetre(double m) { return std::round(1e4 * m) / 1e4; }
-
-template <class Get>
-Json Values(const Trajectory& trajectory, const Get& get) {
-  Json values = Json::array();
-  for (std::size_t i = 0; i < trajectory.size(); ++i) values.push_back(get(trajectory[i]));
-  return values;
-}
 
 Json Chart(const char* id, const Json& x, const char* x_label, const char* y_label, Json series) {
   return {{"id", id},
@@ -93,7 +82,8 @@ Json FixChart(const Trajectory& trajectory, const std::vector<double>& distances
     const Eigen::Vector2d there = between(before->world_from_left.translation.head<2>().eval(),
                                           after->world_from_left.translation.head<2>().eval());
     const auto index = static_cast<std::size_t>(before - trajectory.begin());
-    last = std::max(ToMillimetre(between(distances[index], distances[index + 1])), last + 1e-6);
+    last =
+        std::max(ToTenthOfMillimetre(between(distances[index], distances[index + 1])), last + 1e-6);
     distance.push_back(last);
     off.push_back(Rounded5(1000.0 * (Eigen::Vector2d(fix[1], fix[2]) - there).norm()));
   }
@@ -109,20 +99,23 @@ Json PointSeries(const Trajectory& trajectory, const SparseStatistics& statistic
   return {Series("sparse points in the left image", Values(trajectory, value))};
 }
 
+}  // namespace
+
 Json Charts(const PartContent& content) {
   const Trajectory& trajectory = content.folder.trajectory;
   if (trajectory.size() < 3) return Json::array();
   Json distance = Json::array(), frame = Json::array();
   double last = -1.0;
   for (const double metres : DistancesAlong(trajectory)) {
-    last = std::max(ToMillimetre(metres), last + 1e-6);  // a rover that stands: still in order
+    last =
+        std::max(ToTenthOfMillimetre(metres), last + 1e-6);  // a rover that stands: still in order
     distance.push_back(last);
     frame.push_back(frame.size());
   }
   constexpr const char* kDistance = "distance driven, m";
   Json charts = Json::array();
   const auto height = [](const TimedPose& pose) {
-    return ToMillimetre(pose.world_from_left.translation.z());
+    return ToTenthOfMillimetre(pose.world_from_left.translation.z());
   };
   charts.push_back(Chart("height", distance, kDistance, "height, m",
                          {Series("height of the left camera", Values(trajectory, height))}));
@@ -143,92 +136,6 @@ Json Charts(const PartContent& content) {
   }
   return charts;
 }
-
-Json DescribePoses(const Trajectory& trajectory) {
-  const StampNs first_ns = trajectory.front().stamp_ns;
-  const auto axis = [&](int i) {
-    return Values(trajectory, [i](const TimedPose& pose) {
-      return ToMillimetre(pose.world_from_left.translation[i]);
-    });
-  };
-  const auto sigma = [&](int i) {
-    return Values(trajectory, [i](const TimedPose& pose) { return Rounded5(pose.sigmas[i]); });
-  };
-  Json rotations = Json::array();
-  for (const TimedPose& pose : trajectory) {
-    for (const double number : pose.world_from_left.rotation.coeffs()) {
-      rotations.push_back(Rounded5(number));
-    }
-  }
-  const auto turn = [](const TimedPose& pose) {
-    return Rounded5(pose.sigmas.tail<3>().maxCoeff());
-  };
-  return {{"t", Values(trajectory,
-                       [&](const TimedPose& pose) {
-                         return ToMillimetre(1e-9 * static_cast<double>(pose.stamp_ns - first_ns));
-                       })},
-          {"x", axis(0)},
-          {"y", axis(1)},
-          {"z", axis(2)},
-          {"q", rotations},
-          {"sx", sigma(0)},
-          {"sy", sigma(1)},
-          {"sz", sigma(2)},
-          {"sr", Values(trajectory, turn)},
-          {"source", Values(trajectory, [](const auto& pose) { return Name(pose.source); })},
-          {"keyframe", Values(trajectory, [](const auto& pose) { return pose.keyframe; })}};
-}
-
-Json DescribeLeftCamera(const PartContent& content) {
-  const auto& sparse = content.folder.sparse;
-  if (const Camera* c = sparse ? LeftCameraOf(*sparse) : nullptr) {
-    return {{"width", c->width}, {"height", c->height}, {"fx", c->fx},
-            {"fy", c->fy},       {"cx", c->cx},         {"cy", c->cy}};
-  }
-  return {{"width", 4}, {"height", 3}, {"fx", 4}, {"fy", 4}, {"cx", 2}, {"cy", 1.5}};
-}
-
-Json Positions(const Json& rows) {
-  Json positions = Json::array();
-  for (const Json& row : rows) positions.push_back({row[1], row[2], row[3]});
-  return positions;
-}
-
-// Of points and path together.
-Json BoundsOfScene(const PartContent& content) {
-  Eigen::Vector3d low = Eigen::Vector3d::Constant(INFINITY), high = -low;
-  if (!content.points.levels.empty()) {
-    low = Eigen::Map<const Eigen::Vector3d>(content.points.bounds_m[0].data());
-    high = Eigen::Map<const Eigen::Vector3d>(content.points.bounds_m[1].data());
-  }
-  for (const TimedPose& pose : content.folder.trajectory) {
-    low = low.cwiseMin(pose.world_from_left.translation);
-    high = high.cwiseMax(pose.world_from_left.translation);
-  }
-  if (!low.allFinite()) return nullptr;
-  return {{"low", {low.x(), low.y(), low.z()}}, {"high", {high.x(), high.y(), high.z()}}};
-}
-
-Json RocksOfView(const PartContent& content) {
-  Json rocks = Json::array();
-  if (!content.cloud || !content.cloud->rocks) return rocks;
-  for (const SegmentedRock& rock : *content.cloud->rocks) {
-    rocks.push_back({{"x", ToMillimetre(rock.centre.x())},
-                     {"y", ToMillimetre(rock.centre.y())},
-                     {"top", ToMillimetre(rock.top_z_m)},
-                     {"width", ToMillimetre(rock.width_m)},
-                     {"height", ToMillimetre(rock.height_m)}});
-  }
-  return rocks;
-}
-
-// Techniques that do not check the rig file know of its errors in the verdict only.
-bool IsCalibrationInSigmas(const PartContent& content) {
-  const std::string technique = TextAt(content.folder.summary, "/technique");
-  return technique == "rig" || technique == "join";
-}
-
-}  // namespace
 
 std::string RouteSection(const PartContent& content) {
   const std::string route = RouteDrawing(content);
@@ -259,30 +166,6 @@ std::string RouteSection(const PartContent& content) {
                           : ", of the way from pose to pose alone: what the calibration "
                             "leaves unknown, which the verdict counts, is not in them."),
       body);
-}
-
-Json PageData(const PartContent& content) {
-  const Trajectory& trajectory = content.folder.trajectory;
-  const auto distances = DistancesAlong(trajectory);
-  const FigureSource summary = content.folder.Summary();
-  Json data = {{"charts", Charts(content)},
-               {"map", content.map},
-               {"truth", Positions(At(content.folder.reference, "/truth"))},
-               {"rtk", Positions(At(content.folder.reference, "/rtk"))},
-               {"rocks", RocksOfView(content)},
-               {"camera", DescribeLeftCamera(content)},
-               {"bounds", BoundsOfScene(content)},
-               {"pathLength", distances.empty() ? 0.0 : ToMillimetre(distances.back())}};
-  if (trajectory.size() > 1) data["poses"] = DescribePoses(trajectory);
-  if (!content.points.levels.empty()) {
-    data["points"] = DescribePoints(content.points, content.cloud->count_in_map);
-  }
-  if (HasFigure(summary, "/verdict/scale_95_pct")) {
-    constexpr double kSigmasOf95Pct = 1.96;
-    data["scaleSigma"] =
-        At(summary.json, "/verdict/scale_95_pct").get<double>() / 100.0 / kSigmasOf95Pct;
-  }
-  return data;
 }
 
 }  // namespace rigmap

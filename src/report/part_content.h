@@ -43,6 +43,12 @@ std::string RunSection(const PartContent& content);
 // The frames that FramesSection shows first: at most 40.
 std::set<StampNs> FramesThatStandOut(const PartContent& content);
 
+// Whether the poses' sigmas hold what the calibration leaves unknown.
+bool IsCalibrationInSigmas(const PartContent& content);
+
+// The curves that the scripts draw into the sections.
+Json Charts(const PartContent& content);
+
 // For the scripts: poses, reference, rocks, points, and the curves that they draw into the
 // sections.
 Json PageData(const PartContent& content);

@@ -12,12 +12,18 @@ function nearestPose(poses, point) {
 
 const square = (x) => x * x;
 
-// What the poses between two cameras leave unknown along a direction, m^2: sigmas in the file are
-// relative to the first pose and errors add up along the way, so that it is the sum of the changes,
-// and never more than both cameras' own.
-function variance(poses, a, b, direction) {
-  const at = (i) => square(poses.sx[i] * direction.x) + square(poses.sy[i] * direction.y) +
-    square(poses.sz[i] * direction.z);
+// What the poses between two cameras leave unknown along a direction beside the scale, m^2: sigmas
+// in the file are relative to the first pose and errors add up along the way, so that it is the sum
+// of the changes, and never more than both cameras' own. The scale's share of a sigma grows with
+// the distance from the first pose, and would be taken for an error that adds up.
+function variance(poses, a, b, direction, scaleSigma) {
+  const at = (i) => {
+    const whole = square(poses.sx[i] * direction.x) + square(poses.sy[i] * direction.y) +
+      square(poses.sz[i] * direction.z);
+    const way = (poses.x[i] - poses.x[0]) * direction.x + (poses.y[i] - poses.y[0]) * direction.y +
+      (poses.z[i] - poses.z[0]) * direction.z;
+    return Math.max(0, whole - square(scaleSigma * way));
+  };
   let changes = 0;
   for (let i = Math.min(a, b); i < Math.max(a, b); ++i) changes += Math.abs(at(i + 1) - at(i));
   return Math.min(changes, at(a) + at(b));
@@ -25,19 +31,19 @@ function variance(poses, a, b, direction) {
 
 // distance_m and sigma_m (one standard deviation; NaN where nothing is known of the points).
 // Both points' noise, the relative position and rotation of the cameras nearest to them, and the
-// scale of the whole.
-export function measure(one, other, poses, scaleSigma) {
+// scale of the whole: all of what is known of it, and what of that is in the poses' sigmas.
+export function measure(one, other, poses, scale = { sigma: 0, inPoses: 0 }) {
   const between = other.position.clone().sub(one.position);
   const distance_m = between.length();
   const direction = distance_m > 0 ? between.clone().divideScalar(distance_m) : between;
   let sum = square(sigmaOf(one.sigma)) + square(sigmaOf(other.sigma));
   if (poses) {
     const a = nearestPose(poses, one.position), b = nearestPose(poses, other.position);
-    sum += variance(poses, a.index, b.index, direction);
+    sum += variance(poses, a.index, b.index, direction, scale.inPoses);
     const turned = Math.abs(square(poses.sr[a.index]) - square(poses.sr[b.index]));
     sum += turned * square(Math.max(a.distance, b.distance));
   }
-  sum += square((scaleSigma ?? 0) * distance_m);
+  sum += square(scale.sigma * distance_m);
   return { distance_m, sigma_m: Math.sqrt(sum) };
 }
 

@@ -191,7 +191,7 @@ class View {
     const height = one && one.position.z + (this.data.points?.origin[2] ?? 0);
     let text = '';
     if (other) {
-      const found = measure(one, other, this.world.poses, this.data.scaleSigma);
+      const found = measure(one, other, this.world.poses, this.data.scale);
       this.lastMeasured = found;
       text = `Distance ${lengthText(found)}, height difference ${(other.position.z - one.position.z).toFixed(3)} m`;
     } else if (one) {
