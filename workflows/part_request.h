@@ -20,6 +20,7 @@ struct PartRequest {
   bool force = false;                      // empty the output folder first
   int threads = 2;
   int memory_mb = 2048;                        // bounds how many frames are dense-matched at once
+  int sharing = 1;                             // parts at work at the same time in this process
   std::optional<std::filesystem::path> truth;  // TUM file, or folder with trajectory.tum
   bool quiet = false;
   std::string command;  // as typed, for summary.json

@@ -26,7 +26,7 @@ Dataset OpenWithTruth(const PartRequest& request) {
 
 PartResult ReconstructPart(const PartRequest& request) {
   cv::setNumThreads(1);  // of every part in this process: the work is split over frames
-  Job job(request.threads, request.quiet);
+  Job job(request.threads, request.quiet, request.sharing);
   const auto recipe = [&](const Dataset& dataset, const DatasetContent& content) {
     return MakeRecipe(request.technique, dataset, content, request.options);
   };

@@ -3,7 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <exception>
+#include <mutex>
 #include <nlohmann/json.hpp>
+#include <optional>
+#include <thread>
 
 #include "core/error.h"
 #include "core/file.h"
@@ -31,23 +35,78 @@ PartRequest RequestOf(const PartJob& job, const RunRequest& request) {
   return part;
 }
 
-// False if it could not be done.
-bool DoPart(const PartJob& job, const RunRequest& request, std::vector<std::string>& failures) {
-  const PartRequest part = RequestOf(job, request);
-  try {
-    const PartResult result = ReconstructPart(part);
-    if (result.status == PartStatus::kUntrusted) {
-      fmt::print(stderr, "part {} is not trusted by itself: {}\n", job.name, result.reason);
-    }
-    return true;
-  } catch (const UsageError&) {
-    throw;  // the same for every part
-  } catch (const Error& error) {
-    failures.push_back(fmt::format("part {} failed: {}", job.name, error.what()));
-    fmt::print(stderr, "{}\n", failures.back());
-    return false;
+// The parts of a plan, several at the same time.
+class Parts {
+ public:
+  Parts(const TraversePlan& plan, const RunRequest& request)
+      : plan_(plan),
+        request_(request),
+        at_once_(PartsAtOnce(plan, request.part.threads, request.part.memory_mb)),
+        failures_(plan.jobs.size()) {}
+
+  // Why each could not be done; nothing of those that were. What is wrong with the request is
+  // thrown once the parts at work have ended.
+  std::vector<std::optional<std::string>> Do() && {
+    std::vector<std::thread> others;
+    for (int i = 1; i < at_once_; ++i) others.emplace_back([this] { Work(); });
+    Work();
+    for (std::thread& other : others) other.join();
+    if (end_) std::rethrow_exception(end_);
+    return std::move(failures_);
   }
-}
+
+ private:
+  void Work() {
+    while (const auto index = Next()) {
+      try {
+        DoPart(*index);
+      } catch (...) {  // a wrong request, the same for every part, or worse
+        const std::lock_guard lock(mutex_);
+        end_ = std::current_exception();
+        next_ = plan_.jobs.size();
+      }
+    }
+  }
+
+  std::optional<std::size_t> Next() {
+    const std::lock_guard lock(mutex_);
+    if (next_ >= plan_.jobs.size()) return std::nullopt;
+    const PartJob& job = plan_.jobs[next_];
+    if (!request_.part.quiet) {
+      fmt::print(stderr, "part {} of {}: {}, {} pairs\n", next_ + 1, plan_.jobs.size(), job.name,
+                 job.pairs);
+    }
+    return next_++;
+  }
+
+  void DoPart(std::size_t index) {
+    const PartJob& job = plan_.jobs[index];
+    PartRequest part = RequestOf(job, request_);
+    part.threads = std::max(1, part.threads / at_once_);
+    part.sharing = at_once_;
+    part.quiet = part.quiet || at_once_ > 1;  // whose bars would write over each other
+    try {
+      const PartResult result = ReconstructPart(part);
+      if (result.status == PartStatus::kUntrusted) {
+        fmt::print(stderr, "part {} is not trusted by itself: {}\n", job.name, result.reason);
+      }
+    } catch (const UsageError&) {
+      throw;
+    } catch (const Error& error) {
+      failures_[index] = fmt::format("part {} failed: {}", job.name, error.what());
+      fmt::print(stderr, "{}\n", *failures_[index]);
+    }
+  }
+
+  const TraversePlan& plan_;
+  const RunRequest& request_;
+  int at_once_;
+  std::vector<std::optional<std::string>>
+      failures_;  // each written by the thread that did the part
+  std::mutex mutex_;
+  std::size_t next_ = 0;
+  std::exception_ptr end_;
+};
 
 }  // namespace
 
@@ -63,13 +122,14 @@ PartResult RunTraverse(const RunRequest& request) {
     stream << ToJson(plan, request.plan).dump(1) << "\n";
   });
   JoinRequest join{{}, request.part, request.use_rtk};
+  Parts parts(plan, request);
+  const auto failures = std::move(parts).Do();
   for (std::size_t i = 0; i < plan.jobs.size(); ++i) {
-    const PartJob& job = plan.jobs[i];
-    if (!request.part.quiet) {
-      fmt::print(stderr, "part {} of {}: {}, {} pairs\n", i + 1, plan.jobs.size(), job.name,
-                 job.pairs);
+    if (failures[i]) {
+      join.missing.push_back(*failures[i]);
+    } else {
+      join.outs.push_back(out / "parts" / plan.jobs[i].name);
     }
-    if (DoPart(job, request, join.missing)) join.outs.push_back(out / "parts" / job.name);
   }
   if (join.outs.empty()) {
     throw DataError(fmt::format("no part could be done; {}", join.missing.front()));

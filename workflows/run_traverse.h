@@ -1,4 +1,5 @@
-// `rigmap run`: a traverse's parts, one after the other, joined into one world.
+// `rigmap run`: a traverse's parts, as many at the same time as threads and memory allow, joined
+// into one world.
 #pragma once
 
 #include <filesystem>

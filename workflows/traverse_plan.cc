@@ -159,6 +159,17 @@ double EstimatedMegabytes(const PartJob& job, int memory_mb) {
   return std::max<double>(memory_mb, kProgram + kPerPair * job.pairs);
 }
 
+int PartsAtOnce(const TraversePlan& plan, int threads, int memory_mb) {
+  constexpr double kProgram = 150.0, kPerPair = 1.0, kPerMegapixel = 250.0;  // of one thread
+  double needed_mb = 1.0;
+  for (const PartJob& job : plan.jobs) {
+    needed_mb =
+        std::max(needed_mb, kProgram + kPerPair * job.pairs + kPerMegapixel * job.megapixels);
+  }
+  const int fitting = static_cast<int>(memory_mb / needed_mb);
+  return std::clamp(std::min(threads, fitting), 1, std::max(1, static_cast<int>(plan.jobs.size())));
+}
+
 double EstimatedDiskMegabytes(const PartJob& job) {
   // Features, depth and points of a pair.
   constexpr double kPerPair = 2.0, kPerMegapixel = 5.0;

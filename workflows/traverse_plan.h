@@ -56,6 +56,9 @@ TraversePlan PlanTraverse(const PlanRequest& request);
 // (docs/measured.md).
 double EstimatedSeconds(const PartJob& job, int threads);
 double EstimatedMegabytes(const PartJob& job, int memory_mb);
+// How many parts `rigmap run` does at the same time: as many as there are threads, for a part's
+// stages do not keep several of them busy all the time, and as --memory allows.
+int PartsAtOnce(const TraversePlan& plan, int threads, int memory_mb);
 // What it will leave on the disk.
 double EstimatedDiskMegabytes(const PartJob& job);
 

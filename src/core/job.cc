@@ -60,7 +60,10 @@ void InstallLogger() {
 
 }  // namespace
 
-Job::Job(int threads, bool quiet) : threads_(threads), quiet_(quiet) { InstallLogger(); }
+Job::Job(int threads, bool quiet, int sharing)
+    : threads_(threads), quiet_(quiet), sharing_(sharing) {
+  InstallLogger();
+}
 
 Job::~Job() = default;
 

@@ -17,7 +17,8 @@ namespace rigmap {
 class Job {
  public:
   // Errors only on the terminal if `quiet`. Without a log file every message goes to the terminal.
-  Job(int threads, bool quiet);
+  // `sharing`: how many jobs are at work in this process at the same time.
+  Job(int threads, bool quiet, int sharing = 1);
   ~Job();
   Job(const Job&) = delete;
   Job& operator=(const Job&) = delete;
@@ -43,6 +44,7 @@ class Job {
 
   bool quiet() const { return quiet_; }
   int threads() const { return threads_; }
+  int sharing() const { return sharing_; }
 
   // The job that the calling thread works for; nullptr if it works for none.
   static Job* Current();
@@ -63,6 +65,7 @@ class Job {
 
   int threads_;
   bool quiet_;
+  int sharing_;
   std::mutex mutex_;
   spdlog::sink_ptr file_;  // nothing: the terminal
 };

@@ -1,10 +1,12 @@
 #include "core/yaml.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <chrono>
 #include <string>
+#include <vector>
 
 #include "core/error.h"
 #include "tests/support/message_of.h"
@@ -88,9 +90,8 @@ TEST(YamlTest, RefusesAnAliasThatHoldsItself) {
 TEST(YamlTest, RefusesAliasesThatMultiplyWithinASecond) {
   std::string text = "l0: &l0 [x, x, x, x, x, x, x, x, x, x]\n";
   for (int i = 1; i < 10; ++i) {
-    text += "l" + std::to_string(i) + ": &l" + std::to_string(i) + " [";
-    for (int k = 0; k < 10; ++k) text += (k ? ", *l" : "*l") + std::to_string(i - 1);
-    text += "]\n";
+    const std::vector<std::string> aliases(10, fmt::format("*l{}", i - 1));
+    text += fmt::format("l{0}: &l{0} [{1}]\n", i, fmt::join(aliases, ", "));
   }
   const auto start = std::chrono::steady_clock::now();
   EXPECT_THAT(MessageOf<DataError>([&] { ParseYaml(text, "f.yaml"); }),
@@ -114,7 +115,7 @@ TEST(YamlTest, MissingFileIsNamed) {
 TEST(YamlTest, QuotedTextReadsBack) {
   for (const std::string text :
        {"", "plain", "a \"b\" c", "back\\slash\\", "tab\tline\nend", "# : [x]", "größer", "\x01"}) {
-    const std::string line = "x: " + QuoteYaml(text) + "\n";
+    const std::string line = fmt::format("x: {}\n", QuoteYaml(text));
     EXPECT_EQ(ParseYaml(line, "f").At("x").AsString(), text) << line;
     EXPECT_EQ(line.find('\n'), line.size() - 1);
   }

@@ -81,6 +81,25 @@ TEST_F(TraverseTest, PartsBecomeOneWorld) {
   }
 }
 
+TEST_F(TraverseTest, PartsAtTheSameTimeLeaveWhatPartsInTurnLeave) {
+  const std::vector<std::string> cut{"--split", "2", "--overlap", "1", "--until", "adjustment"};
+  const auto run = [&](const char* threads) {
+    std::vector<std::string> more = cut;
+    more.insert(more.end(), {"--threads", threads, "--force"});
+    const ProgramEnd end = Run(more);
+    EXPECT_EQ(end.exit_code, 0) << end.err;
+    std::vector<std::string> texts;
+    for (const char* file :
+         {"parts/1.1/sparse.ply", "parts/1.1/trajectory.csv", "parts/1.2/sparse.ply",
+          "parts/1.2/trajectory.csv", "sparse.ply", "trajectory.csv"}) {
+      texts.push_back(ReadTextFile(out_ / file));
+    }
+    return texts;
+  };
+  const auto in_turn = run("1");
+  EXPECT_EQ(run("2"), in_turn);
+}
+
 TEST_F(TraverseTest, APartThatIsMissingIsNamedAndTheRestIsJoined) {
   const fs::path data = CopyOfSimulatedPart(folder_.Path());
   const ProgramEnd whole = RunRigmap({"run", "--dataset", data, "--split", "2", "--overlap", "1",

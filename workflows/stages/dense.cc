@@ -11,6 +11,7 @@
 #include "core/freed_memory.h"
 #include "core/job.h"
 #include "core/memory_peak.h"
+#include "core/memory_share.h"
 #include "core/progress.h"
 #include "core/statistics.h"
 #include "correspondence/stereo_points.h"
@@ -67,7 +68,7 @@ int DenseThreads(const DenseMatcher& matcher, const StageContext& context) {
         "dense.min_depth_m, if more than {:.2g} m, needs less",
         std::ceil(present_mb + frame_mb), context.memory_mb, matcher.nearest_m()));
   }
-  return std::clamp(static_cast<int>((context.memory_mb - present_mb) / frame_mb), 1,
+  return std::clamp(static_cast<int>(MemoryShare(context.memory_mb) / frame_mb), 1,
                     context.threads);
 }
 

@@ -11,7 +11,7 @@
 #include "colmap/model_io.h"
 #include "core/freed_memory.h"
 #include "core/job.h"
-#include "core/memory_peak.h"
+#include "core/memory_share.h"
 #include "imaging/depth_images.h"
 #include "imaging/disparity_normal.h"
 #include "imaging/image.h"
@@ -172,8 +172,7 @@ int ThreadsWithin(const Camera& camera, const StageContext& context) {
   // The image as read and rectified, the map as kept and as read, depth and normals twice.
   constexpr double kBytesPerPixel = 70.0;
   const double frame_mb = 1e-6 * kBytesPerPixel * camera.width * camera.height;
-  const double present_mb = ResidentMegabytes();
-  return std::clamp(static_cast<int>((context.memory_mb - present_mb) / frame_mb), 1,
+  return std::clamp(static_cast<int>(MemoryShare(context.memory_mb) / frame_mb), 1,
                     context.threads);
 }
 

@@ -8,6 +8,7 @@
 #include "core/error.h"
 #include "core/file.h"
 #include "core/memory_peak.h"
+#include "core/memory_share.h"
 #include "export/ply.h"
 #include "fusion/depth_fusion.h"
 #include "pipeline/code_identity.h"
@@ -28,8 +29,9 @@ std::size_t CachedViews(const DepthIndex& depths, const FusionOptions& options,
         "fewer fusion.ahead and fusion.neighbours need less",
         std::ceil(least_mb), compared, depths.view_mb, context.memory_mb));
   }
-  const double fitting = (context.memory_mb - other_mb) / depths.view_mb;
-  return static_cast<std::size_t>(std::min<double>(kCachedViews, fitting));
+  const double fitting = (MemoryShare(context.memory_mb) - kFusionMegabytes) / depths.view_mb;
+  return static_cast<std::size_t>(
+      std::max<double>(static_cast<double>(compared), std::min<double>(kCachedViews, fitting)));
 }
 
 FusedMap MakeMap(const StageContext& context, const Dataset&, const PosedPart& part,

@@ -1,0 +1,10 @@
+// Memory among jobs that are at work at the same time.
+#pragma once
+
+namespace rigmap {
+
+// Megabytes that the calling thread's job may still take of what the whole process is allowed: an
+// even share of what is free now. Negative where nothing is.
+double MemoryShare(double allowed_mb);
+
+}  // namespace rigmap
