@@ -1,4 +1,5 @@
 #include "workflows/recipes.h"
+#include "workflows/stages/dead_reckoning.h"
 #include "workflows/stages/features.h"
 #include "workflows/stages/gates.h"
 #include "workflows/stages/merging.h"
@@ -20,12 +21,17 @@ StageGraph IcpRecipe(const Dataset& data, const DatasetContent& data_content,
   const auto features = g.AddView(OpenFeatures, found);
   const auto odometry = g.AddStage(VisualOdometry(), Reading(o.odometry), dataset, features);
 
+  auto guess = odometry;
+  if (Resolved(o.registration).first_guess == FirstGuess::kWheels) {
+    const auto rover = g.AddStage(DeadReckoning(), Reading(o.dead_reckoning), dataset);
+    guess = g.AddView(StepsOfRover, rover);
+  }
+
   // images -> depth of every frame -> clouds, each registered against those before
   const auto depths = g.AddStage(FrameDepths(), Reading(o.dense, o.masks, o.voxel), dataset,
                                  content, found, features);
-  const auto registration =
-      g.AddStage(CloudRegistration(), Reading(o.clouds, o.registration, o.odometry), dataset,
-                 odometry, depths);
+  const auto registration = g.AddStage(
+      CloudRegistration(), Reading(o.clouds, o.registration, o.odometry), dataset, guess, depths);
   const auto motion = g.AddView(RegisteredMotion, registration);
 
   // laid into the world as they are

@@ -69,7 +69,7 @@ class Chain {
     const Rigid3& before = PoseOf(frame - 1);
     if (options_.first_guess == FirstGuess::kNone) return before;
     const bool is_measured = odometry_[frame].source == PoseSource::kOdometry;
-    if (options_.first_guess == FirstGuess::kOdometry && is_measured) {
+    if (options_.first_guess != FirstGuess::kPreviousMotion && is_measured) {
       return before * OdometricStep(odometry_, frame - 1, frame);
     }
     return PredictPose(registration_.motion, odometry_[frame].stamp_ns);

@@ -16,7 +16,8 @@ namespace rigmap {
 using CloudSource = std::function<FrameCloud(int frame)>;
 
 // Each cloud is registered against those of the last keyframes, and its pose hangs on the last of
-// them. `odometry`: what was measured otherwise, for first guesses and the stamps; an entry per
+// them. `odometry`: what was measured otherwise (by the images, or by wheels, as the first guess is
+// asked for), for first guesses and the stamps; an entry per
 // frame. Frames that cannot be registered are predicted; the plain way chains also
 // those that no surface holds, with the sigmas of a prediction. Holds the clouds of the keyframes
 // and of two frames more. Runs in one thread: the order of frames is what makes a chain.

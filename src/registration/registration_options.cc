@@ -50,8 +50,9 @@ OptionFields RegistrationOptions::Fields() {
        ChoiceOf(&first_guess),
        "",
        {},
-       "Where ICP starts: where the reference is, from the motion before, or from the visual "
-       "odometry where that measured one (else from the motion before)."},
+       "Where ICP starts: where the reference is, from the motion before, from the visual "
+       "odometry where that measured one (else from the motion before), or from wheels, gyro and "
+       "inclinometer."},
       {"map_keyframes", &map_keyframes, "", AtLeast(1),
        "A cloud is registered against those of so many keyframes together."},
       {"keyframe_overlap", &keyframe_overlap, "", AtLeast(0.0).UpTo(1.0),

@@ -31,8 +31,10 @@ constexpr auto NamesOf(RegistrationMethod) {
   return std::array{"point-to-point", "point-to-plane", "generalized"};
 }
 
-enum class FirstGuess { kNone, kPreviousMotion, kOdometry };
-constexpr auto NamesOf(FirstGuess) { return std::array{"none", "previous-motion", "odometry"}; }
+enum class FirstGuess { kNone, kPreviousMotion, kOdometry, kWheels };
+constexpr auto NamesOf(FirstGuess) {
+  return std::array{"none", "previous-motion", "odometry", "wheels"};
+}
 
 // Of cloud against cloud.
 struct RegistrationOptions {

@@ -76,10 +76,12 @@ std::string PartsSection(const PartContent& content) {
                TextAt(part.summary, "/verdict/causes/0/brief")},
               status == "ok" ? "" : "bad");
   }
-  return HtmlSection("parts", "Parts",
-                     "What the traverse was put together from. Parts share frames, and each is "
-                     "judged by itself; the whole, adjusted at once, is better known than they.",
-                     table.Text());
+  return HtmlSection(
+      "parts", "Parts",
+      "What the traverse was put together from. Parts share frames, and each is "
+      "judged by itself; the whole, adjusted at once, is better known than they. Their "
+      "own pages open while this one lies in its folder.",
+      table.Text());
 }
 
 }  // namespace rigmap

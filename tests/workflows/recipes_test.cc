@@ -238,6 +238,19 @@ TEST(IcpRecipe, HasItsOwnWayFromDepthToAMap) {
   EXPECT_EQ(Changed(before, IcpRecipe({}, {}, limit)), (Names{"gates"}));
 }
 
+TEST(IcpRecipe, StartsFromWheelsWhereTheyAreAskedFor) {
+  PartOptions wheels;
+  wheels.registration.first_guess = FirstGuess::kWheels;
+  const StageGraph plain = IcpRecipe({}, {}, wheels);  // which has its own first guess
+  for (const StageNode& node : plain.nodes()) EXPECT_NE(node.name, "dead_reckoning");
+  wheels.registration.way = RegistrationWay::kImproved;
+  const StageGraph improved = IcpRecipe({}, {}, wheels);
+  EXPECT_THAT(DescendantsOf(improved, "dead_reckoning"), testing::Contains("registration"));
+  PartOptions slipping = wheels;
+  slipping.dead_reckoning.wheel_slip = 0.04;
+  EXPECT_EQ(Changed(improved, IcpRecipe({}, {}, slipping)), Names{"dead_reckoning"});
+}
+
 TEST(RoverRecipes, WheelsNeedNoImagesForTheirPoses) {
   const StageGraph wheels = WheelsRecipe({}, {}, {});
   EXPECT_THAT(StageNames(Technique::kWheels),
