@@ -136,12 +136,6 @@ function label(text) {
   return sprite;
 }
 
-// Between points that follow each other, the median.
-export function usualGap(points) {
-  const gaps = points.slice(1).map((p, i) => Math.hypot(p[0] - points[i][0], p[1] - points[i][1], p[2] - points[i][2]));
-  return gaps.sort((a, b) => a - b)[gaps.length >> 1] ?? Infinity;
-}
-
 // A ring around each rock, the highest with their heights: labels, the highest first.
 export function rockMarks(rocks, extent) {
   const group = new THREE.Group(), labels = [];

@@ -2,6 +2,7 @@
 import * as THREE from 'three';
 import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
 import { Cloud } from './cloud.js';
+import { Crowd } from './crowd.js';
 import { lengthText, measure, sigmaText } from './measure.js';
 import { observationsOf, sigmaOf, unpackLevel } from './points.js';
 import { FIELD_OF_VIEW_DEG, moves } from './moves.js';
@@ -11,8 +12,6 @@ import { makeRulers } from './rulers.js';
 
 const PICK_REACH_PX = 6, CAMERA_REACH_PX = 14;
 const SLOW_FRAME_MS = 50;
-const FIX_PX = 9, LEAST_FIX_PX = 2.5;
-const LABEL_WIDTH_PX = 64, LABEL_HEIGHT_PX = 18;
 
 class View {
   constructor(place, data, renderer) {
@@ -65,14 +64,12 @@ class View {
       }
     }
     if (truth.length) this.addLayer('truth', 'True path', marks.polyline(truth, 5, marks.COLOURS.truth), true, marks.COLOURS.truth);
-    if (rtk.length) {
-      this.fixes = marks.dots(rtk, FIX_PX, marks.COLOURS.rtk);
-      this.fixesApart = marks.usualGap(rtk);
-      this.addLayer('rtk', 'RTK fixes', this.fixes, true, marks.COLOURS.rtk);
-    }
+    this.crowd = new Crowd();
+    if (rtk.length) this.addLayer('rtk', 'RTK fixes', this.crowd.addDots(rtk, marks.COLOURS.rtk), true, marks.COLOURS.rtk);
     if (rocks.length) {
-      this.rocks = marks.rockMarks(rocks, this.extent);
-      this.addLayer('rocks', 'Rocks', this.rocks.group, true, marks.COLOURS.rock);
+      const { group, labels } = marks.rockMarks(rocks, this.extent);
+      this.crowd.addLabels(labels);
+      this.addLayer('rocks', 'Rocks', group, true, marks.COLOURS.rock);
     }
   }
 
@@ -104,25 +101,11 @@ class View {
     const pxPerUnit = this.place.clientHeight / (2 * Math.tan((FIELD_OF_VIEW_DEG * Math.PI) / 360));
     if (this.cloud) this.cloud.material.uniforms.pxPerUnit.value = pxPerUnit * this.renderer.getPixelRatio();
     this.rulers?.(this.camera, pxPerUnit / toTarget);
-    this.makeRoom(pxPerUnit / toTarget);
+    this.crowd.makeRoom(pxPerUnit / toTarget, (point) => this.project(point));
     this.renderer.render(this.scene, this.camera);
     this.work.push(performance.now() - before);
     if (this.work.length > 200) this.work.shift();
     this.spare(now);
-  }
-
-  // From afar fixes shrink to a line, and of labels that would cover each other the tallest rock's
-  // stays.
-  makeRoom(pxPerMetre) {
-    if (this.fixes) {
-      this.fixes.material.size = Math.min(FIX_PX, Math.max(LEAST_FIX_PX, 0.7 * this.fixesApart * pxPerMetre));
-    }
-    const taken = [];
-    for (const label of this.rocks?.labels ?? []) {
-      const [u, v] = this.project(label.position.toArray());
-      label.visible = !taken.some(([x, y]) => Math.abs(x - u) < LABEL_WIDTH_PX && Math.abs(y - v) < LABEL_HEIGHT_PX);
-      if (label.visible) taken.push([u, v]);
-    }
   }
 
   // While it moves on a machine that is too slow for all points, the coarse levels stand for them.
