@@ -40,6 +40,41 @@ std::optional<double> FarthestSigma(const Trajectory& trajectory) {
   return sigma;
 }
 
+// Relative sigma of the factor that a similarity alignment would find, of errors that add up along
+// the way: two poses share those of the earlier one. To first order the factor's error is the sum
+// of position errors along the ways from the mean position, over the sum of squares of these.
+std::optional<double> SimilaritySigma(const Trajectory& trajectory) {
+  std::vector<const TimedPose*> poses;
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  for (const TimedPose& pose : trajectory) {
+    if (pose.source == PoseSource::kPredicted) continue;
+    poses.push_back(&pose);
+    mean += pose.world_from_left.translation;
+  }
+  if (poses.empty()) return std::nullopt;
+  const auto count = static_cast<double>(poses.size());
+  mean /= count;
+  double squares_m2 = 0.0, variance_m4 = 0.0;
+  Eigen::Vector3d later = Eigen::Vector3d::Zero();  // sum of the ways of later poses
+  for (auto pose = poses.rbegin(); pose != poses.rend(); ++pose) {
+    const Eigen::Vector3d way = (*pose)->world_from_left.translation - mean;
+    variance_m4 += way.dot((*pose)->position_covariance * (way + 2.0 * later));
+    squares_m2 += way.squaredNorm();
+    later += way;
+  }
+  if (!std::isfinite(variance_m4)) return std::numeric_limits<double>::infinity();
+  constexpr double kMeanSquareOfWay = 1.0 / 12.0;  // about its middle, of a straight one
+  return std::sqrt(std::max(0.0, variance_m4)) /
+         std::max(squares_m2, count * kShortWay_m * kShortWay_m * kMeanSquareOfWay);
+}
+
+// Errors that grow with the distance, as that of a calibration does, are a random walk's least
+// where a path is straight, and its farthest way's most; a bend in its midst is in no distance.
+std::optional<double> ScaleSigmaOf(const Trajectory& trajectory) {
+  const auto farthest = FarthestSigma(trajectory), similarity = SimilaritySigma(trajectory);
+  return farthest && similarity ? std::max(*farthest, *similarity) : farthest;
+}
+
 }  // namespace
 
 double Radius95(const Eigen::Matrix3d& covariance) {
@@ -64,7 +99,7 @@ Accuracy AccuracyOf(const Trajectory& trajectory, const Adjustment& adjustment,
   const double of_baseline = rig.baseline_sigma_m.value_or(0.0) / rig.Baseline();
   const double of_all_lengths = std::hypot(of_baseline, beside.calibration_scale_sigma);
   const auto scale = adjustment.scale_sigma || !beside.positions_known ? adjustment.scale_sigma
-                                                                       : FarthestSigma(trajectory);
+                                                                       : ScaleSigmaOf(trajectory);
   if (scale) accuracy.scale_95_pct = 100.0 * kSigmas95 * std::hypot(*scale, of_all_lengths);
   if (beside.calibration_scale_sigma > 0.0 && scale) {
     accuracy.noise_95_pct = 100.0 * kSigmas95 * *scale;

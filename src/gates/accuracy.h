@@ -31,8 +31,9 @@ struct BesideCovariances {
   double calibration_scale_sigma = 0.0;
 };
 
-// The scale is the adjustment's where it knows one, else that of the way to the farthest measured
-// frame. Predicted frames are left out.
+// The scale is the adjustment's where it knows one, else the less sure of two: that of the way to
+// the farthest measured frame, and that of a similarity alignment, if errors add up along the way.
+// Predicted frames are left out.
 Accuracy AccuracyOf(const Trajectory& trajectory, const Adjustment& adjustment,
                     const StereoRig& rig, const BesideCovariances& beside = {});
 

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "tests/support/seeded_random.h"
 #include "tests/support/synthetic_rover.h"
@@ -53,6 +54,25 @@ TEST(AccuracyOf, TakesTheScaleOfTheAdjustmentElseOfTheFarthestFrame) {
   EXPECT_NEAR(by_distance.path_m, 5.0, 1e-12);
   adjustment.scale_sigma = 0.001;
   EXPECT_NEAR(AccuracyOf(trajectory, adjustment, LocCamRig()).scale_95_pct.value(), 0.196, 1e-9);
+}
+
+// Once round, the step at the far end known to 2 cm only: the way to the farthest pose, which lies
+// before it, tells nothing of that; a similarity alignment feels it.
+TEST(AccuracyOf, AWeakStepInTheMidstOfALoopCountsForTheScale) {
+  Trajectory trajectory;
+  for (int i = 0; i <= 40; ++i) {
+    TimedPose pose{.stamp_ns = i};
+    pose.source = PoseSource::kOdometry;
+    const double turn = 2.0 * std::numbers::pi * i / 40;
+    pose.world_from_left.translation = {2.0 * std::sin(turn), 2.0 - 2.0 * std::cos(turn), 0.0};
+    if (i > 20) pose.position_covariance = 4e-4 * Eigen::Matrix3d::Identity();
+    trajectory.push_back(pose);
+  }
+  // The half circle behind the step moves by d: the factor changes by d times the sum of its ways,
+  // 20 times 2 / pi of the radius, over that of squares, 41 of it.
+  const double moved = 20.0 * 2.0 / std::numbers::pi * 2.0 / (41.0 * 4.0);
+  EXPECT_NEAR(AccuracyOf(trajectory, {}, LocCamRig()).scale_95_pct.value(), 196.0 * 0.02 * moved,
+              0.03);
 }
 
 TEST(AccuracyOf, OfPosesThatNobodyVouchesForIsTheAdjustmentsScaleOrNothing) {
