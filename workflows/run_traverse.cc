@@ -12,6 +12,7 @@
 #include "core/error.h"
 #include "core/file.h"
 #include "core/job.h"
+#include "workflows/disk_space.h"
 #include "workflows/join.h"
 #include "workflows/output_folder.h"
 
@@ -33,6 +34,17 @@ PartRequest RequestOf(const PartJob& job, const RunRequest& request) {
   part.out = request.part.out / "parts" / job.name;
   part.truth = TruthOfPart(request.part.truth, job);
   return part;
+}
+
+// What is about to happen, for people.
+void Announce(const TraversePlan& plan, const PartRequest& part) {
+  double seconds = 0.0;
+  for (const PartJob& job : plan.jobs) seconds += EstimatedSeconds(job, part.threads);
+  const int at_once = PartsAtOnce(plan, part.threads, part.memory_mb);
+  fmt::print(stderr,
+             "{} parts with {} pairs, {} at a time: about {:.0f} minutes and {:.1f} GB of disk\n",
+             plan.jobs.size(), PairsOf(plan), at_once, std::ceil(seconds / 60.0),
+             1e-3 * EstimatedDiskMegabytes(plan));
 }
 
 // The parts of a plan, several at the same time.
@@ -117,7 +129,9 @@ PartResult RunTraverse(const RunRequest& request) {
   }();
   const fs::path& out = request.part.out;
   RequireTraverseOutput(out);
+  RequireDisk(plan, out);
   fs::create_directories(out / "parts");
+  if (!request.part.quiet) Announce(plan, request.part);
   WriteFileAtomically(out / "plan.json", [&](std::ostream& stream) {
     stream << ToJson(plan, request.plan).dump(1) << "\n";
   });

@@ -146,6 +146,12 @@ TraversePlan PlanTraverse(const PlanRequest& request) {
   return plan;
 }
 
+int PairsOf(const TraversePlan& plan) {
+  int pairs = 0;
+  for (const PartJob& job : plan.jobs) pairs += job.pairs;
+  return pairs;
+}
+
 double EstimatedSeconds(const PartJob& job, int threads) {
   // Seconds of one thread for a pair of one megapixel, from the rendered and the real drives; small
   // images cost somewhat more each.
@@ -172,8 +178,17 @@ int PartsAtOnce(const TraversePlan& plan, int threads, int memory_mb) {
 
 double EstimatedDiskMegabytes(const PartJob& job) {
   // Features, depth and points of a pair.
-  constexpr double kPerPair = 2.0, kPerMegapixel = 5.0;
+  constexpr double kPerPair = 3.5, kPerMegapixel = 5.0;
   return job.pairs * (kPerPair + kPerMegapixel * job.megapixels);
+}
+
+double EstimatedDiskMegabytes(const TraversePlan& plan) {
+  constexpr double kPerPairOfWhole = 2.5;
+  double megabytes = 0.0;
+  for (const PartJob& job : plan.jobs) {
+    megabytes += EstimatedDiskMegabytes(job) + kPerPairOfWhole * job.pairs;
+  }
+  return megabytes;
 }
 
 }  // namespace rigmap

@@ -52,6 +52,7 @@ struct TraversePlan {
 // Reads all but the pixels. Throws as OpenDataset, and UsageError for a split that cannot be.
 TraversePlan PlanTraverse(const PlanRequest& request);
 
+int PairsOf(const TraversePlan& plan);  // of all jobs; those that two share count twice
 // Seconds with `threads`, and megabytes, that a job will need: from what was measured
 // (docs/measured.md).
 double EstimatedSeconds(const PartJob& job, int threads);
@@ -61,6 +62,7 @@ double EstimatedMegabytes(const PartJob& job, int memory_mb);
 int PartsAtOnce(const TraversePlan& plan, int threads, int memory_mb);
 // What it will leave on the disk.
 double EstimatedDiskMegabytes(const PartJob& job);
+double EstimatedDiskMegabytes(const TraversePlan& plan);  // of all jobs and the whole
 
 // {dataset, parts, jobs: [{name, arguments, pairs, threads, memory_mb, minutes, disk_mb}], total}.
 // `arguments` are those of `rigmap part` but for --out.

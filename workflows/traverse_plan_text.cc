@@ -75,8 +75,7 @@ Json ToJson(const TraversePlan& plan, const PlanRequest& request) {
   Json json;
   json["dataset"] = std::filesystem::absolute(request.dataset.folder).string();
   for (const PartData& part : plan.parts) json["parts"].push_back(Describe(part));
-  double minutes = 0.0, disk_mb = 0.0;
-  int pairs = 0;
+  double minutes = 0.0;
   for (const PartJob& job : plan.jobs) {
     json["jobs"].push_back({{"name", job.name},
                             {"arguments", ArgumentsOf(job)},
@@ -86,12 +85,10 @@ Json ToJson(const TraversePlan& plan, const PlanRequest& request) {
                             {"minutes", Minutes(job, request.threads)},
                             {"disk_mb", std::round(EstimatedDiskMegabytes(job))}});
     minutes += EstimatedSeconds(job, request.threads) / 60.0;
-    disk_mb += EstimatedDiskMegabytes(job);
-    pairs += job.pairs;
   }
-  json["total"] = {{"pairs", pairs},
+  json["total"] = {{"pairs", PairsOf(plan)},
                    {"minutes_one_after_the_other", std::ceil(minutes)},
-                   {"disk_mb", std::round(disk_mb)}};
+                   {"disk_mb", std::round(EstimatedDiskMegabytes(plan))}};
   return json;
 }
 
