@@ -167,7 +167,9 @@ class Adjuster {
         std::erase_if(point.observations,
                       [&](const auto& o) { return !bundle_.left_from_world[o.frame]; });
       }
-      std::erase_if(bundle_.points, [](const AdjustedPoint& point) { return !SpansFrames(point); });
+      std::erase_if(bundle_.points, [&](const AdjustedPoint& point) {
+        return !IsDetermined(point, bundle_.rig, bundle_.left_from_world);
+      });
     }
   }
 

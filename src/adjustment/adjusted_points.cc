@@ -2,6 +2,7 @@
 
 #include <tbb/parallel_for.h>
 
+#include <algorithm>
 #include <limits>
 
 #include "adjustment/reprojection.h"
@@ -102,6 +103,20 @@ bool SpansFrames(const AdjustedPoint& point) {
          point.observations.front().frame != point.observations.back().frame;
 }
 
+bool IsDetermined(const AdjustedPoint& point, const StereoRig& rig,
+                  const std::vector<std::optional<Rigid3>>& left_from_world) {
+  constexpr double kLeastBase = 0.01;
+  if (!SpansFrames(point)) return false;
+  const auto centre_of = [&](const PointObservation& o) {
+    const Rigid3& left = *left_from_world[o.frame];
+    return (o.eye == Eye::kLeft ? left : rig.right_from_left * left).Inverse().translation;
+  };
+  const Eigen::Vector3d first = centre_of(point.observations.front());
+  return std::ranges::any_of(point.observations, [&](const PointObservation& o) {
+    return (centre_of(o) - first).norm() >= kLeastBase * rig.Baseline();
+  });
+}
+
 std::vector<AdjustedPoint> TriangulateTracks(
     const std::vector<Track>& tracks, const Correspondences& correspondences, const StereoRig& rig,
     const std::vector<std::optional<Rigid3>>& left_from_world, double max_error_px,
@@ -112,6 +127,7 @@ std::vector<AdjustedPoint> TriangulateTracks(
     ViewedPoint seen = Observe(tracks[i], correspondences, frames);
     if (!TriangulatePoint(seen, frames, max_error_px)) return;
     AdjustedPoint& point = seen.point;
+    if (!IsDetermined(point, rig, left_from_world)) return;
     const Rigid3& first_from_world = *left_from_world[point.observations.front().frame];
     if ((first_from_world * point.x).norm() <= max_depth_m) found[i] = std::move(point);
   });

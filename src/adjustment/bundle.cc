@@ -36,7 +36,9 @@ void DropBeyond(double limit_px, const std::vector<double>& errors_px, Bundle& b
     std::erase_if(point.observations,
                   [&](const PointObservation&) { return !(errors_px[next++] <= limit_px); });
   }
-  std::erase_if(bundle.points, [](const AdjustedPoint& point) { return !SpansFrames(point); });
+  std::erase_if(bundle.points, [&](const AdjustedPoint& point) {
+    return !IsDetermined(point, bundle.rig, bundle.left_from_world);
+  });
 }
 
 std::vector<int> ObservationsPerFrame(const Bundle& bundle) {

@@ -152,6 +152,27 @@ TEST_F(AdjustedPointsTest, PointsMoveWithTheWorld) {
   }
 }
 
+// The rig stands while frames 2 and 3 are taken.
+TEST_F(AdjustedPointsTest, WhatOneEyeOfAStandingRigShowsHasNoDepth) {
+  Make(0.0);
+  left_from_world_[3] = left_from_world_[2];
+  left_from_world_[3]->translation.x() += 1e-5;
+  AdjustedPoint point;
+  point.observations = {{2, 0, Eye::kLeft, {}}, {3, 0, Eye::kLeft, {}}};
+  EXPECT_TRUE(SpansFrames(point));
+  EXPECT_FALSE(IsDetermined(point, rover_.rig, left_from_world_));
+  point.observations.push_back({3, 0, Eye::kRight, {}});
+  EXPECT_TRUE(IsDetermined(point, rover_.rig, left_from_world_));
+  point.observations.back() = {4, 0, Eye::kLeft, {}};
+  EXPECT_TRUE(IsDetermined(point, rover_.rig, left_from_world_));
+
+  // One track that only these two frames show, in the left eye, is no point.
+  for (auto& feature : correspondences_.features[2]) feature.right.reset();
+  for (auto& feature : correspondences_.features[3]) feature.right.reset();
+  for (const int frame : {0, 1, 4, 5}) left_from_world_[frame].reset();
+  EXPECT_TRUE(Triangulated(1e9).empty());
+}
+
 TEST(SpansFrames, TakesTwoFramesNotTwoEyes) {
   AdjustedPoint point;
   EXPECT_FALSE(SpansFrames(point));
