@@ -98,7 +98,7 @@ std::string MapSection(const PartContent& content) {
       "Made of depth that several frames agree upon. Colour the 3-D view by sigma to see where it "
       "is good, or by observations to see how much was merged into a point: far away, where points "
       "are coarse, that is much.",
-      "<div class=\"pair\"><div>" + table.Text() + "</div>" + OverlapDrawing(content) + "</div>" +
+      "<div class=\"pair\"><div>" + table.Text() + "</div>" + CellDrawings(content) + "</div>" +
           RockTable(content));
 }
 

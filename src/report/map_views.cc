@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "core/statistics.h"
 
@@ -61,6 +62,10 @@ class CellGrid {
     }
     if (nearest.empty()) return std::nullopt;
     const double usual = Quantile(nearest, kUsualShare);
+    for (const Middle& middle : middles_) {
+      views_.heights_m.push_back(middle.points > 0 ? middle.x.z()
+                                                   : std::numeric_limits<double>::quiet_NaN());
+    }
     std::vector<double> counts;
     for (const auto& cell : depths) {
       int images = 0;

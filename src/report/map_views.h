@@ -1,4 +1,4 @@
-// How many images show each spot of a map, and how finely.
+// How high each spot of a map lies, how many images show it, and how finely.
 #pragma once
 
 #include <Eigen/Core>
@@ -18,6 +18,7 @@ struct MapViews {
   double cell_m = 0.0;
   int columns = 0, rows = 0;
   std::vector<int> images;  // per cell, row by row, the lowest y first; 0 where the map is empty
+  std::vector<double> heights_m;  // likewise, the mean of the cell's points; nan where it is empty
   double median_images = 0.0;
   int usual_most_images = 0;    // that nineteen in twenty cells have at most
   double median_pixel_m = 0.0;  // ground sample distance: a pixel's width in the nearest image

@@ -53,8 +53,9 @@ Json Charts(const PartContent& content);
 // sections.
 Json PageData(const PartContent& content);
 
-// From how many images each spot of the map is seen, as SVG; empty where that is not known.
-std::string OverlapDrawing(const PartContent& content);
+// From how many images each spot of the map is seen, and how high it lies, as SVG; empty where that
+// is not known.
+std::string CellDrawings(const PartContent& content);
 
 // Route, reference, rocks and enlarged sigmas from above, as SVG; empty without a path.
 std::string RouteDrawing(const PartContent& content);

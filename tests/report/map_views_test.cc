@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <numbers>
 
 namespace rigmap {
@@ -51,6 +53,9 @@ TEST(ViewsOf, CountsTheImagesThatShowASpot) {
   EXPECT_EQ(ImagesAt(views, 2.5, 0.5), 2);
   EXPECT_EQ(ImagesAt(views, 4.5, -0.5), 1);
   EXPECT_EQ(views.median_images, 2.0);
+  EXPECT_EQ(views.heights_m.size(), views.images.size());
+  EXPECT_EQ(std::ranges::count_if(views.heights_m, [](double z) { return std::abs(z) < 1e-6; }),
+            std::ranges::count_if(views.images, [](int images) { return images > 0; }));
   EXPECT_NEAR(views.median_pixel_m, kHeight_m / kFocal_px, 1e-6);
 }
 
