@@ -87,8 +87,7 @@ std::string HeightDrawing(const PartContent& content) {
   const double high_m = std::max(Quantile(known, 1.0 - kTailShare), low_m + 1e-3);
   return fmt::format(
       "<figure>{}<figcaption>Height of the map, world z; what is higher or lower has the colours "
-      "of "
-      "the ends. {}</figcaption></figure>\n",
+      "of the ends. {}</figcaption></figure>\n",
       DrawCells(content, Shares(views, views.heights_m, low_m, high_m), "how high the map is"),
       Ramp(fmt::format("{:.2f} m", low_m), fmt::format("{:.2f} m", high_m)));
 }
