@@ -135,6 +135,7 @@ std::vector<std::filesystem::path> RunMapper(const ColmapInstallation& colmap,
   command.SetFixed(request.threads, options.random_seed, options.refine_intrinsics);
   SetAll(options, command);
   ProcessRequest process = ProcessOf(colmap, command, request.log, request.threads);
+  process.timeout_s = request.max_s;
   process.on_line = [&](const std::string& line) {
     const auto registered = ParseRegistered(line);
     if (registered && request.on_progress) request.on_progress(*registered);

@@ -51,6 +51,7 @@ struct MapperRequest {
   std::filesystem::path output;  // replaced
   std::filesystem::path log;     // appended to
   int threads = 1;
+  double max_s = 0.0;  // killed after this time, which is a ToolError; 0: never
   std::function<void(int registered)> on_progress;  // images in the present model; may be empty
 };
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include <chrono>
 #include <set>
 
 #include "colmap/database.h"
@@ -59,6 +60,10 @@ OptionFields FreeMappingOptions::Fields() {
        "Whether COLMAP changes focal lengths and distortion, as it does by default."},
       {"random_seed", &random_seed, "", AtLeast(0),
        "Of COLMAP's sampling: other seeds give other models, equal ones equal models."},
+      {"max_mapping_s", &max_mapping_s, "s", MoreThan(0.0),
+       "COLMAP's mapper is ended after this time, without a model. With free cameras it may drop "
+       "what "
+       "it has and begin anew for hours."},
   };
 }
 
@@ -108,18 +113,26 @@ MappingResult MapFreeCameras(const ColmapInstallation& colmap, const FreeCameraP
                         .images = paths.images,
                         .output = paths.scratch / "models",
                         .log = paths.log,
-                        .threads = threads};
+                        .threads = threads,
+                        .max_s = options.max_mapping_s};
   request.on_progress = [&](int registered) { progress.Set(static_cast<std::size_t>(registered)); };
   MappingResult result{.method = MappingMethod::kUnseeded};
   std::vector<MadeModel> made;
+  using Clock = std::chrono::steady_clock;
+  const Clock::time_point start = Clock::now();
   try {
     for (const fs::path& folder : RunMapper(colmap, stock, request)) {
       made.push_back({folder, ReadModel(folder)});
     }
   } catch (const ToolError& error) {
-    spdlog::warn("{}", error.what());
     result.method = std::nullopt;
-    result.remarks.push_back(fmt::format("COLMAP made no model: {}", error.what()));
+    const std::chrono::duration<double> mapped = Clock::now() - start;
+    result.remarks.push_back(mapped.count() < options.max_mapping_s
+                                 ? fmt::format("COLMAP made no model: {}", error.what())
+                                 : fmt::format("COLMAP made no model in {:.4g} s "
+                                               "(sfm.max_mapping_s); log: {}",
+                                               options.max_mapping_s, paths.log.string()));
+    spdlog::warn("{}", result.remarks.back());
   }
   result.models = NumberBySize(std::move(made), models);
   return result;

@@ -2,12 +2,16 @@
 
 #include <gmock/gmock.h>
 
+#include <filesystem>
 #include <set>
+
+#include "tests/support/temporary_folder.h"
 
 namespace rigmap {
 namespace {
 
 using testing::Contains;
+using testing::HasSubstr;
 using testing::Not;
 using testing::Pair;
 
@@ -28,6 +32,21 @@ TEST(ImagePairs, AreThoseOfNearFramesAndOfDoubledDistances) {
   EXPECT_EQ(std::set(pairs.begin(), pairs.end()).size(), pairs.size());
   // Four for each pair of frames 1, 2, 3, 4, 8 or 16 apart, one within each frame.
   EXPECT_EQ(pairs.size(), 4U * (19 + 18 + 17 + 16 + 12 + 4) + 20U);
+}
+
+TEST(MapFreeCameras, AMapperThatDoesNotEndIsEnded) {
+  const TemporaryFolder folder;
+  const auto program = folder.Write("colmap", "#!/bin/sh\nexec sleep 60\n");
+  std::filesystem::permissions(program, std::filesystem::perms::owner_all);
+  const FreeCameraPaths paths{folder.Path() / "database.db", folder.Path() / "images",
+                              folder.Path() / "scratch", folder.Path() / "log"};
+  const MappingResult result =
+      MapFreeCameras({.path = program, .version_text = "3.8"}, paths, folder.Path() / "models",
+                     {.max_mapping_s = 0.2}, 5, 1);
+  EXPECT_TRUE(result.models.empty());
+  EXPECT_FALSE(result.method);
+  ASSERT_EQ(result.remarks.size(), 1u);
+  EXPECT_THAT(result.remarks[0], HasSubstr("COLMAP made no model in 0.2 s (sfm.max_mapping_s)"));
 }
 
 }  // namespace

@@ -71,9 +71,10 @@ Report ReportFreeScale(const AlignedKeyframes& aligned, const Dataset& dataset,
 AdjustedPart MakeFreeTrajectory(const StageContext&, const Dataset& dataset,
                                 const MappingResult& mapped, const AlignedKeyframes& aligned) {
   if (aligned.models.empty()) {
-    throw DataError(
-        "structure from motion: expected a model with left and right images of a frame, found none "
-        "that COLMAP made");
+    throw DataError("structure from motion: " +
+                    (mapped.remarks.empty() ? "expected a model with left and right images of a "
+                                              "frame, found none that COLMAP made"
+                                            : mapped.remarks.front()));
   }
   std::vector<int> frames(dataset.frames.size());
   std::iota(frames.begin(), frames.end(), 0);
