@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "adjustment/calibration.h"
+#include "adjustment/calibration_prior.h"
 #include "adjustment/internal/adjusted_points.h"
 #include "adjustment/internal/bundle.h"
 #include "adjustment/internal/camera_system.h"
@@ -108,25 +109,23 @@ class Adjuster {
     if (PathExtent() < bundle_.rig.Baseline()) return false;
     const auto solution = SolveCalibration(Linearised());
     if (!solution) return false;
-    // More is freed only once what is free has settled: until then it may make up for the rest.
-    if (MoveRig(refined_, *solution)) return true;
-    const RigRefinement next =
-        NextRefinement(refined_, correction_, solution->equations, prior_, options_);
-    if (next == refined_) return false;
-    refined_ = next;
-    return MoveRig(refined_, *solution);
+    // More is freed only once what is free has roughly settled: until then it may make up for the
+    // rest.
+    constexpr double kRoughlySettled = 0.5, kSettled = 0.1;  // what is left counts in the sigmas
+    if (MoveRig(kRoughlySettled, *solution)) return true;
+    refined_ = NextRefinement(refined_, correction_, solution->equations, prior_, options_);
+    return MoveRig(kSettled, *solution);
   }
 
-  // To the most probable correction with the parameters of `refined` free, the poses following;
-  // false if it is there.
-  bool MoveRig(RigRefinement refined, const CalibrationSolution& solution) {
-    if (refined == RigRefinement::kNone) return false;
-    const auto better = MostProbable(refined, correction_, solution.equations, prior_, options_);
+  // To the most probable correction with the parameters of `refined_` free, the poses following;
+  // false if no parameter is further from it than `settled` sigmas.
+  bool MoveRig(double settled, const CalibrationSolution& solution) {
+    if (refined_ == RigRefinement::kNone) return false;
+    const auto better = MostProbable(refined_, correction_, solution.equations, prior_, options_);
     if (!better) return false;
-    constexpr double kSettledSigmas = 0.1;  // what is left counts in the sigmas
     const CalibrationVector step = better->correction - correction_;
     const CalibrationVector sigmas = better->covariance.diagonal().cwiseSqrt();
-    if ((step.array().abs() <= kSettledSigmas * sigmas.array()).all()) return false;
+    if ((step.array().abs() <= settled * sigmas.array()).all()) return false;
     correction_ = better->correction;
     bundle_.rig = Corrected(input_.rig, correction_);
     for (std::size_t i = 0; i < bundle_.left_from_world.size(); ++i) {

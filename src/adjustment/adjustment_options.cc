@@ -27,7 +27,8 @@ OptionFields AdjustmentOptions::Fields() {
        "refine_rig auto frees more of the rig: each of eight stretches is compared with a rig that "
        "was corrected from the others. No more than one of them may fit worse. The sigmas are "
        "those "
-       "of residuals, inflated by what residuals of whole tracks say and by shared_noise."},
+       "of residuals, inflated by what residuals of whole tracks say and by shared_noise; chance "
+       "exceeds three once in 700 times."},
       {"rig_prior_deg", &rig_prior_deg, "degrees", MoreThan(0.0),
        std::string("How far the rotation of a calibration may be off.") + kPrior},
       {"focal_prior_pct", &focal_prior_pct, "per cent", MoreThan(0.0),
@@ -37,6 +38,12 @@ OptionFields AdjustmentOptions::Fields() {
       {"distortion_prior_px", &distortion_prior_px, "px", MoreThan(0.0),
        "The same of the distortion: of each of k1, k2, p1 and p2, what it moves a pixel in the "
        "corner of the image by."},
+      {"board_noise_px", &board_noise_px, "px", MoreThan(0.0),
+       "What a calibration with a board leaves unknown of all these together, beside each by "
+       "itself: "
+       "rotation, principal points and distortion can make up for each other where the board was, "
+       "and not where it was not. Noise of its corners in 25 views; several times what corners are "
+       "found to, as repeated calibrations differ by more than they state."},
   };
   const OptionFields residuals = {
       {"huber_sigmas", &huber_sigmas, "robust sigmas", MoreThan(0.0),

@@ -11,11 +11,12 @@ struct AdjustmentOptions {
   static constexpr const char* kSection = "adjustment";
 
   RigRefinement refine_rig = RigRefinement::kAuto;
-  double refine_sigmas = 4.0;
+  double refine_sigmas = 3.0;
   double rig_prior_deg = 0.1;
   double focal_prior_pct = 0.5;
-  double principal_point_prior_px = 1.0;
-  double distortion_prior_px = 2.0;
+  double principal_point_prior_px = 0.5;
+  double distortion_prior_px = 1.0;
+  double board_noise_px = 0.7;
   double huber_sigmas = 2.0;
   double outlier_sigmas = 5.0;
   double min_noise_px = 0.05;

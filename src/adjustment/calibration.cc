@@ -6,7 +6,6 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 namespace rigmap {
 namespace {
@@ -78,38 +77,6 @@ std::optional<CalibrationStep> RotationAndFocalStep(const CalibrationEquations& 
   if (!step.allFinite() || !(independent.minCoeff() > 0.0)) return std::nullopt;
   return CalibrationStep{step.head<3>(), sigma.head<3>(), independent.head<3>(),
                          step(3),        sigma(3),        independent(3)};
-}
-
-namespace {
-
-CalibrationVector SigmasOf(const StereoRig& rig, const AdjustmentOptions& options) {
-  CalibrationVector sigmas;
-  sigmas.segment<3>(kRotationX).setConstant(options.rig_prior_deg * std::numbers::pi / 180.0);
-  sigmas.segment<2>(kLogFocal).setConstant(options.focal_prior_pct / 100.0);
-  sigmas.segment<4>(kLeftCx).setConstant(options.principal_point_prior_px);
-  for (const Eye eye : {Eye::kLeft, Eye::kRight}) {
-    const Camera& camera = rig.Of(eye).camera;
-    const double focal = camera.MeanFocal(),
-                 corner = 0.5 * std::hypot(camera.width, camera.height) / focal;
-    // Of the polynomial's terms: k1 r^3, k2 r^5, and 3 p r^2 where a tangential one is largest.
-    sigmas.segment<4>(eye == Eye::kLeft ? kLeftK1 : kRightK1) << std::pow(corner, -3.0),
-        std::pow(corner, -5.0), std::pow(corner, -2.0) / 3.0, std::pow(corner, -2.0) / 3.0;
-    sigmas.segment<4>(eye == Eye::kLeft ? kLeftK1 : kRightK1) *=
-        options.distortion_prior_px / focal;
-  }
-  return sigmas;
-}
-
-}  // namespace
-
-CalibrationPrior PriorOf(const StereoRig& rig, const AdjustmentOptions& options) {
-  if (rig.calibration_covariance) {
-    return {rig.calibration_covariance->diagonal().cwiseSqrt(),
-            rig.calibration_covariance->inverse()};
-  }
-  CalibrationPrior prior{SigmasOf(rig, options), CalibrationMatrix::Zero()};
-  prior.information.diagonal() = prior.sigmas.cwiseAbs2().cwiseInverse();
-  return prior;
 }
 
 double Inflation(const CalibrationEquations& equations, const AdjustmentOptions& options) {

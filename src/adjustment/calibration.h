@@ -26,10 +26,6 @@ struct CalibrationStep {
 // Nothing where the equations are singular.
 std::optional<CalibrationStep> RotationAndFocalStep(const CalibrationEquations& equations);
 
-// What the rig file states, else sigmas from the options, those of the distortion being what moves
-// a pixel in the image's corner by options.distortion_prior_px.
-CalibrationPrior PriorOf(const StereoRig& rig, const AdjustmentOptions& options);
-
 // How many times as uncertain (variance) as independent observations would leave them the equations
 // are: because residuals of one track go together, and because of noise that all tracks of a frame
 // share.

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "adjustment/calibration.h"
+#include "adjustment/calibration_prior.h"
 #include "core/statistics.h"
 
 namespace rigmap {

@@ -1,4 +1,5 @@
 // What the adjustment says of a wrong calibration.
+#include "adjustment/calibration_prior.h"
 #include "tests/adjustment/rover_bundle.h"
 
 namespace rigmap {
@@ -100,12 +101,14 @@ TEST_F(CalibrationTest, APriorAsSureAsTheImagesMeetsThemHalfway) {
       RotationAndFocalStep(*loose.calibration)->rig_rotation_sigma.x() / kDegree;
   const Adjustment drawn = Adjust(poses, {.refine_rig = RigRefinement::kRotation,
                                           .rig_prior_deg = of_images_deg,
+                                          .board_noise_px = 1e-6,
                                           .shared_noise = 1.0});
   // The sigma of the images comes out larger where the rig is not yet right.
   EXPECT_GT(TurnLeft_rad(drawn.rig).norm(), 0.4 * kTurn_rad);
   EXPECT_LT(TurnLeft_rad(drawn.rig).norm(), 0.97 * kTurn_rad);
   const Adjustment held = Adjust(poses, {.refine_rig = RigRefinement::kRotation,
                                          .rig_prior_deg = 0.05 * of_images_deg,
+                                         .board_noise_px = 1e-6,
                                          .shared_noise = 1.0});
   EXPECT_GT(TurnLeft_rad(held.rig).norm(), 0.99 * kTurn_rad);
   EXPECT_GT(TurnLeft_rad(held.rig).norm(), TurnLeft_rad(drawn.rig).norm());
@@ -273,27 +276,6 @@ TEST(CalibrationError, OfAFocalLengthThatWasNotConfirmedIsThePriors) {
   EXPECT_LT(std::sqrt(CalibrationError(RigRefinement::kAllButFocal, now, agreeing, prior, options)(
                 kLogFocal, kLogFocal)),
             0.2 * prior.sigmas(kLogFocal));
-}
-
-TEST(PriorSigmas, OfDistortionMoveThePixelInTheCornerAlike) {
-  const StereoRig rig = LocCamRig();
-  const AdjustmentOptions options;
-  const CalibrationVector prior = PriorOf(rig, options).sigmas;
-  const Camera& camera = rig.left.camera;
-  Camera plain = camera;
-  plain.k1 = plain.k2 = plain.p1 = plain.p2 = 0.0;
-  // As far from the principal point as half a diagonal, where a tangential term is largest.
-  const double corner = 0.5 * std::hypot(camera.width, camera.height) / camera.MeanFocal();
-  for (int i = 0; i < 4; ++i) {
-    Camera bent = plain;
-    bent.k1 += i == 0 ? prior(kLeftK1) : 0.0;
-    bent.k2 += i == 1 ? prior(kLeftK2) : 0.0;
-    bent.p1 += i == 2 ? prior(kLeftP1) : 0.0;
-    bent.p2 += i == 3 ? prior(kLeftP2) : 0.0;
-    const Eigen::Vector2d at = i == 2 ? Eigen::Vector2d(0.0, corner) : Eigen::Vector2d(corner, 0.0);
-    EXPECT_NEAR((Distort(bent, at) - Distort(plain, at)).norm(), options.distortion_prior_px,
-                0.02 * options.distortion_prior_px);
-  }
 }
 
 TEST(RightPixelAtInfinity, ShiftsWithTheRightEye) {

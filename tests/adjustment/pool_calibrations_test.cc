@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "adjustment/calibration_prior.h"
 #include "tests/support/seeded_random.h"
 #include "tests/support/synthetic_rover.h"
 
@@ -127,16 +128,6 @@ TEST(CorrectionBetween, IsTheInverseOfCorrected) {
   const StereoRig corrected = Corrected(rig, by);
   EXPECT_TRUE(CorrectionBetween(rig, corrected).isApprox(by, 1e-9));
   EXPECT_LT(CorrectionBetween(corrected, Corrected(rig, by)).norm(), 1e-12);
-}
-
-TEST(PriorOf, ARigFileThatStatesItsCovarianceIsTakenAtItsWord) {
-  StereoRig rig = LocCamRig();
-  CalibrationMatrix covariance = CalibrationMatrix::Identity();
-  covariance(kRotationY, kLeftCx) = covariance(kLeftCx, kRotationY) = 0.5;
-  rig.calibration_covariance = covariance;
-  const CalibrationPrior prior = PriorOf(rig, {});
-  EXPECT_EQ(prior.sigmas, CalibrationVector::Ones());
-  EXPECT_TRUE((prior.information * covariance).isIdentity(1e-9));
 }
 
 }  // namespace

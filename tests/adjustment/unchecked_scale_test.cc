@@ -2,10 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/LU>
 #include <cmath>
 #include <numbers>
 
-#include "adjustment/calibration.h"
+#include "adjustment/calibration_prior.h"
 #include "tests/support/synthetic_rover.h"
 
 namespace rigmap {
@@ -32,8 +33,7 @@ TEST(UncheckedScaleSigma, IsSmallWhereTheRigFileKnowsItsCalibration) {
   StereoRig rig = LocCamRig();
   const AdjustmentOptions options;
   const double by_prior = UncheckedScaleSigma(rig, {4.0}, options);
-  const CalibrationVector sigmas = PriorOf(rig, options).sigmas;
-  rig.calibration_covariance = (0.01 * sigmas.cwiseAbs2()).asDiagonal();
+  rig.calibration_covariance = 0.01 * PriorOf(rig, options).information.inverse();
   EXPECT_NEAR(UncheckedScaleSigma(rig, {4.0}, options), 0.1 * by_prior, 0.01 * by_prior);
 }
 

@@ -6,6 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "adjustment/calibration_prior.h"
 #include "adjustment/pool_calibrations.h"
 #include "core/error.h"
 #include "core/file.h"

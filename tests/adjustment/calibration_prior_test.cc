@@ -1,0 +1,133 @@
+#include "adjustment/calibration_prior.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "adjustment/calibration.h"
+#include "tests/support/synthetic_rover.h"
+
+namespace rigmap {
+namespace {
+
+TEST(PriorOf, EachOfTheDistortionMovesThePixelInTheCornerAlike) {
+  const StereoRig rig = LocCamRig();
+  const AdjustmentOptions options{.board_noise_px = 1e-6};
+  const CalibrationVector prior = PriorOf(rig, options).sigmas;
+  const Camera& camera = rig.left.camera;
+  Camera plain = camera;
+  plain.k1 = plain.k2 = plain.p1 = plain.p2 = 0.0;
+  // As far from the principal point as half a diagonal, where a tangential term is largest.
+  const double corner = 0.5 * std::hypot(camera.width, camera.height) / camera.MeanFocal();
+  for (int i = 0; i < 4; ++i) {
+    Camera bent = plain;
+    bent.k1 += i == 0 ? prior(kLeftK1) : 0.0;
+    bent.k2 += i == 1 ? prior(kLeftK2) : 0.0;
+    bent.p1 += i == 2 ? prior(kLeftP1) : 0.0;
+    bent.p2 += i == 3 ? prior(kLeftP2) : 0.0;
+    const Eigen::Vector2d at = i == 2 ? Eigen::Vector2d(0.0, corner) : Eigen::Vector2d(corner, 0.0);
+    EXPECT_NEAR((Distort(bent, at) - Distort(plain, at)).norm(), options.distortion_prior_px,
+                0.02 * options.distortion_prior_px);
+  }
+}
+
+TEST(PriorOf, ARigFileThatStatesItsCovarianceIsTakenAtItsWord) {
+  StereoRig rig = LocCamRig();
+  CalibrationMatrix covariance = CalibrationMatrix::Identity();
+  covariance(kRotationY, kLeftCx) = covariance(kLeftCx, kRotationY) = 0.5;
+  rig.calibration_covariance = covariance;
+  const CalibrationPrior prior = PriorOf(rig, {});
+  EXPECT_EQ(prior.sigmas, CalibrationVector::Ones());
+  EXPECT_TRUE((prior.information * covariance).isIdentity(1e-9));
+}
+
+class Board : public testing::Test {
+ protected:
+  // Where the right eye sees, after a correction, what the left one sees at `pixel` at a depth.
+  static Eigen::Vector2d RightPixel(const StereoRig& rig, const Eigen::Vector2d& pixel,
+                                    double depth_m) {
+    const Eigen::Vector2d ray = Undistort(rig.left.camera, pixel).value();
+    return Project(rig.right.camera, rig.right_from_left * (depth_m * ray.homogeneous())).value();
+  }
+
+  // Largest move of these pixels, over what a board of half the image's height shows in the middle
+  // and half-way to the edges, at the depths it stands at.
+  double MovesPx(const CalibrationVector& correction) const {
+    const StereoRig corrected = Corrected(rig_, correction);
+    const Camera& camera = rig_.left.camera;
+    double moved_px = 0.0;
+    for (const double x : {0.25, 0.5, 0.75}) {
+      for (const double y : {0.25, 0.5, 0.75}) {
+        for (const double depth_m : {0.5, 1.0}) {
+          const Eigen::Vector2d pixel(x * camera.width, y * camera.height);
+          moved_px = std::max(
+              moved_px,
+              (RightPixel(corrected, pixel, depth_m) - RightPixel(rig_, pixel, depth_m)).norm());
+        }
+      }
+    }
+    return moved_px;
+  }
+
+  StereoRig rig_ = LocCamRig();
+  const CalibrationVector alone_ = PriorOf(rig_, {.board_noise_px = 1e-6}).sigmas;
+  const CalibrationMatrix covariance_ = BoardCovariance(rig_, alone_);
+};
+
+TEST_F(Board, LeavesTheTurnOfTheRightEyeAndWhatMakesUpForIt) {
+  const CalibrationVector sigmas = covariance_.diagonal().cwiseSqrt();
+  EXPECT_GT(sigmas(kRotationY), 0.05 * std::numbers::pi / 180.0);
+  const CalibrationVector together = covariance_.col(kRotationY) / sigmas(kRotationY);
+  const CalibrationVector turn = sigmas(kRotationY) * CalibrationVector::Unit(kRotationY);
+  EXPECT_GT(MovesPx(turn), 1.0);
+  EXPECT_LT(MovesPx(together), 0.4 * MovesPx(turn));
+}
+
+TEST_F(Board, TellsTheDisparityAtInfinity) {
+  const double by_board =
+      SigmaOf(DisparityAtInfinity, rig_, CalibrationVector::Zero(), alone_, covariance_);
+  const CalibrationMatrix unrelated = covariance_.diagonal().asDiagonal();
+  EXPECT_LT(by_board, 0.3);
+  EXPECT_GT(SigmaOf(DisparityAtInfinity, rig_, CalibrationVector::Zero(), alone_, unrelated),
+            5.0 * by_board);
+}
+
+TEST_F(Board, SaysNothingOfTheCommonFocalLength) {
+  EXPECT_NEAR(covariance_.row(kLogFocal).cwiseAbs().maxCoeff(), 0.0, 1e-12);
+  const CalibrationPrior prior = PriorOf(rig_, {});
+  EXPECT_NEAR(prior.sigmas(kLogFocal), 0.005, 1e-9);
+}
+
+TEST_F(Board, LeavesNoParameterBeyondTenTimesItsSigmaAlone) {
+  const CalibrationVector sigmas = covariance_.diagonal().cwiseSqrt();
+  EXPECT_LE(sigmas.cwiseQuotient(alone_).maxCoeff(), 10.0);
+  // Of a narrow image k2 tells next to nothing.
+  StereoRig narrow = rig_;
+  for (RigEye* eye : {&narrow.left, &narrow.right}) {
+    eye->camera.fx *= 5.0;
+    eye->camera.fy *= 5.0;
+  }
+  const CalibrationVector wide = PriorOf(narrow, {.board_noise_px = 1e-6}).sigmas;
+  const CalibrationMatrix covariance = BoardCovariance(narrow, wide);
+  EXPECT_TRUE(covariance.allFinite());
+  EXPECT_GT(std::sqrt(covariance(kLeftK2, kLeftK2)) / wide(kLeftK2),
+            sigmas(kLeftK2) / alone_(kLeftK2));
+  EXPECT_LE(std::sqrt(covariance(kLeftK2, kLeftK2)), 10.0 * wide(kLeftK2));
+}
+
+TEST_F(Board, AndEachParameterAloneMakeAPrior) {
+  const CalibrationPrior prior = PriorOf(rig_, {});
+  const CalibrationMatrix expected =
+      covariance_ + CalibrationMatrix(alone_.cwiseAbs2().asDiagonal());
+  EXPECT_TRUE((prior.information * expected).isIdentity(1e-6));
+  EXPECT_TRUE(prior.sigmas.isApprox(expected.diagonal().cwiseSqrt(), 1e-6));
+  // Twice the noise, four times the board's share.
+  const CalibrationMatrix noisier = PriorOf(rig_, {.board_noise_px = 2.0}).information.inverse();
+  EXPECT_TRUE((noisier - expected).isApprox(3.0 * covariance_, 1e-6));
+}
+
+}  // namespace
+}  // namespace rigmap
