@@ -119,7 +119,7 @@ TEST_F(Board, LeavesNoParameterBeyondTenTimesItsSigmaAlone) {
 }
 
 TEST_F(Board, AndEachParameterAloneMakeAPrior) {
-  const CalibrationPrior prior = PriorOf(rig_, {});
+  const CalibrationPrior prior = PriorOf(rig_, {.board_noise_px = 1.0});
   const CalibrationMatrix expected =
       covariance_ + CalibrationMatrix(alone_.cwiseAbs2().asDiagonal());
   EXPECT_TRUE((prior.information * expected).isIdentity(1e-6));
