@@ -40,10 +40,10 @@ OptionFields AdjustmentOptions::Fields() {
        "corner of the image by."},
       {"board_noise_px", &board_noise_px, "px", MoreThan(0.0),
        "What a calibration with a board leaves unknown of all these together, beside each by "
-       "itself: "
-       "rotation, principal points and distortion can make up for each other where the board was, "
-       "and not where it was not. Noise of its corners in 25 views; several times what corners are "
-       "found to, as repeated calibrations differ by more than they state."},
+       "itself: rotation, principal points and distortion can make up for each other where the "
+       "board was, and not where it was not. Noise of its corners in 25 views; of the size by "
+       "which "
+       "two calibrations of one rig differed."},
   };
   const OptionFields residuals = {
       {"huber_sigmas", &huber_sigmas, "robust sigmas", MoreThan(0.0),

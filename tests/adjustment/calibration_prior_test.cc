@@ -44,6 +44,46 @@ TEST(PriorOf, ARigFileThatStatesItsCovarianceIsTakenAtItsWord) {
   EXPECT_TRUE((prior.information * covariance).isIdentity(1e-9));
 }
 
+// A Bumblebee2 of 640 x 480 px as two calibrations made it, with a chessboard and with a grid of
+// squares, from some ten views each: Peter Abeles, BoofCV-Data, example/calibration/stereo.
+Camera Bumblebee2Eye(double fx, double fy, double cx, double cy, double k1, double k2) {
+  return {.width = 640, .height = 480, .fx = fx, .fy = fy, .cx = cx, .cy = cy, .k1 = k1, .k2 = k2};
+}
+
+StereoRig Bumblebee2(const Camera& left, const Camera& right,
+                     const Eigen::Matrix3d& left_from_right, const Eigen::Vector3d& right_in_left) {
+  StereoRig rig = LocCamRig();
+  rig.left.camera = left;
+  rig.right.camera = right;
+  rig.right_from_left =
+      Rigid3{Eigen::Quaterniond(left_from_right).normalized(), right_in_left}.Inverse();
+  return rig;
+}
+
+TEST(PriorOf, HoldsByWhatTwoCalibrationsOfOneRigDiffer) {
+  Eigen::Matrix3d left_from_right;
+  left_from_right << 0.99996948, -0.00216766, 0.00750659, 0.00214476, 0.99999299, 0.00305711,
+      -0.00751317, -0.00304091, 0.99996715;
+  const StereoRig chessboard =
+      Bumblebee2(Bumblebee2Eye(524.614, 526.920, 312.451, 247.402, -0.362537, 0.175328),
+                 Bumblebee2Eye(526.438, 528.652, 318.404, 245.935, -0.353000, 0.162974),
+                 left_from_right, {0.1200437, 0.0008974, -0.0009150});
+  left_from_right << 0.99999786, -0.00140655, 0.00151922, 0.00139254, 0.99995684, 0.00918556,
+      -0.00153207, -0.00918342, 0.99995666;
+  const StereoRig squares =
+      Bumblebee2(Bumblebee2Eye(528.877, 530.847, 315.085, 246.360, -0.372544, 0.187051),
+                 Bumblebee2Eye(530.921, 532.328, 317.244, 248.825, -0.355781, 0.146394),
+                 left_from_right, {0.1195070, 0.0014041, -0.0002421});
+  const CalibrationVector differ = CorrectionBetween(chessboard, squares);
+  // Over two variances, as both are off, and over the 13 parameters that both estimated: no p1, p2.
+  const auto squared = [&](const AdjustmentOptions& options) {
+    const CalibrationMatrix information = PriorOf(chessboard, options).information;
+    return 0.5 * differ.dot(information * differ) / 13.0;
+  };
+  EXPECT_LT(squared({}), 1.72);  // 95 % of chi-square
+  EXPECT_GT(squared({.board_noise_px = 1e-6}), 2.5 * squared({}));
+}
+
 class Board : public testing::Test {
  protected:
   // Where the right eye sees, after a correction, what the left one sees at `pixel` at a depth.
