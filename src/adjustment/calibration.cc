@@ -129,7 +129,9 @@ CalibrationMatrix CalibrationError(RigRefinement refined, const CalibrationVecto
   const CalibrationMatrix held =
       all->covariance - all->covariance(kLogFocal, kLogFocal) * following * following.transpose();
   const CalibrationVector off_held = off - off(kLogFocal) * following;
-  const double sigma = prior.sigmas(kLogFocal);
+  // What makes them ask is no larger than some of what they ask for.
+  constexpr double kTimesAsked = 2.0;
+  const double sigma = std::min(prior.sigmas(kLogFocal), kTimesAsked * std::abs(off(kLogFocal)));
   return held + off_held * off_held.transpose() + sigma * sigma * following * following.transpose();
 }
 

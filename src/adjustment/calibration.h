@@ -61,7 +61,8 @@ std::optional<ProbableCorrection> MostProbable(RigRefinement refined, const Cali
 // Mean square error of the calibration at the correction `now`, in which the parameters of
 // `refined` are free: what the part and the prior leave unknown, and how far the most probable
 // correction lies from it. Where the images ask for a focal length that left-out stretches did not
-// confirm, they do not know it, and the prior counts; so it does where the equations are singular.
+// confirm, they do not know it: its sigma is twice what they ask for, and at most that of the
+// prior. Where the equations are singular the prior counts.
 CalibrationMatrix CalibrationError(RigRefinement refined, const CalibrationVector& now,
                                    const CalibrationEquations& equations,
                                    const CalibrationPrior& prior, const AdjustmentOptions& options);
