@@ -22,10 +22,10 @@ StageGraph ColmapRecipe(const Dataset& data, const DatasetContent& data_content,
   // laid into the world as they are
   const auto part = g.AddStage(MappedTrajectory(), Reading(), dataset, keyframes.odometry,
                                keyframes.graph, keyframes.models, keyframes.aligned);
-  const auto gates =
-      g.AddCheck(AdjustedGates(),
-                 Reading(o.gates.mapping, o.gates.poses, o.gates.adjustment, o.gates.calibration),
-                 dataset, keyframes.found, keyframes.aligned, part);
+  const auto gates = g.AddCheck(MappedGates(),
+                                Reading(o.gates.mapping, o.gates.poses, o.gates.adjustment,
+                                        o.gates.calibration, o.adjustment),
+                                dataset, keyframes.found, keyframes.aligned, part);
   const auto posed = g.AddView(PosedByAdjustment, dataset, part);
 
   // depth of the keyframes, fused on the poses -> coloured map, judged

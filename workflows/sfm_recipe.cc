@@ -23,10 +23,10 @@ FreeCameras AddFreeCameras(StageGraph& g, const Dataset& data, const DatasetCont
       g.AddStage(FreeMapping(), Reading(o.free_mapping), in.colmap, in.dataset, matches);
   const auto aligned = g.AddStage(FreeScale(), Reading(o.scale), in.dataset, models);
   const auto part = g.AddStage(FreeTrajectory(), Reading(), in.dataset, models, aligned);
-  const auto gates =
-      g.AddCheck(FreeCameraGates(),
-                 Reading(o.gates.mapping, o.gates.poses, o.gates.adjustment, o.gates.calibration),
-                 in.dataset, models, aligned, part);
+  const auto gates = g.AddCheck(FreeCameraGates(),
+                                Reading(o.gates.mapping, o.gates.poses, o.gates.adjustment,
+                                        o.gates.calibration, o.adjustment),
+                                in.dataset, models, aligned, part);
   return {in, g.AddView(PosedByAdjustment, in.dataset, part), gates};
 }
 

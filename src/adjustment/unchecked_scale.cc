@@ -20,4 +20,8 @@ double UncheckedScaleSigma(const StereoRig& rig, std::vector<double> depths_m,
   return std::hypot(offset_px / disparity_px, std::sqrt(covariance(kLogFocal, kLogFocal)));
 }
 
+double UncheckedFocalSigma(const StereoRig& rig, const AdjustmentOptions& options) {
+  return PriorOf(rig, options).sigmas(kLogFocal);
+}
+
 }  // namespace rigmap

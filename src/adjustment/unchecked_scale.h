@@ -15,4 +15,9 @@ namespace rigmap {
 double UncheckedScaleSigma(const StereoRig& rig, std::vector<double> depths_m,
                            const AdjustmentOptions& options);
 
+// What of it remains where each image was posed for itself: the common focal length. Lengths
+// between the eyes grow with it and lengths along the view do not, so that the metres of a way
+// ahead hang on it in full.
+double UncheckedFocalSigma(const StereoRig& rig, const AdjustmentOptions& options);
+
 }  // namespace rigmap

@@ -37,5 +37,12 @@ TEST(UncheckedScaleSigma, IsSmallWhereTheRigFileKnowsItsCalibration) {
   EXPECT_NEAR(UncheckedScaleSigma(rig, {4.0}, options), 0.1 * by_prior, 0.01 * by_prior);
 }
 
+TEST(UncheckedFocalSigma, IsWhatThePriorOrTheRigFileSays) {
+  StereoRig rig = LocCamRig();
+  EXPECT_NEAR(UncheckedFocalSigma(rig, {.focal_prior_pct = 0.7}), 0.007, 1e-9);
+  rig.calibration_covariance = 1e-6 * CalibrationMatrix::Identity();
+  EXPECT_NEAR(UncheckedFocalSigma(rig, {}), 0.001, 1e-12);
+}
+
 }  // namespace
 }  // namespace rigmap

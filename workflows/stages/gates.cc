@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "adjustment/unchecked_scale.h"
 #include "gates/refusal.h"
 #include "gates/registration_gates.h"
 #include "pipeline/code_identity.h"
@@ -108,20 +109,34 @@ Report ReportPart(const GateInputs& inputs, const GateOptions& options) {
   return report;
 }
 
+GateInputs InputsOf(const Dataset& dataset, const FeatureIndex& features,
+                    const AlignedKeyframes& aligned, const AdjustedPart& part) {
+  return {dataset.rig,
+          part.odometry,
+          part.adjustment,
+          part.trajectory,
+          aligned.world_from_left.empty() ? nullptr : &aligned,
+          features.epipolar_px,
+          DepthConsistencyOf(part.adjustment),
+          part.KnowsPositions()};
+}
+
 Report JudgeAdjusted(const Dataset& dataset, const FeatureIndex& features,
                      const AlignedKeyframes& aligned, const AdjustedPart& part,
                      const MappingGateOptions& mapping, const PoseGateOptions& poses,
                      const AdjustmentGateOptions& adjustment,
                      const CalibrationGateOptions& calibration) {
-  const bool was_mapped = !aligned.world_from_left.empty();
-  const GateInputs inputs{dataset.rig,
-                          part.odometry,
-                          part.adjustment,
-                          part.trajectory,
-                          was_mapped ? &aligned : nullptr,
-                          features.epipolar_px,
-                          DepthConsistencyOf(part.adjustment),
-                          part.KnowsPositions()};
+  return ReportPart(InputsOf(dataset, features, aligned, part),
+                    {mapping, poses, adjustment, calibration, {}, {}});
+}
+
+Report JudgeMapped(const Dataset& dataset, const FeatureIndex& features,
+                   const AlignedKeyframes& aligned, const AdjustedPart& part,
+                   const MappingGateOptions& mapping, const PoseGateOptions& poses,
+                   const AdjustmentGateOptions& adjustment,
+                   const CalibrationGateOptions& calibration, const AdjustmentOptions& prior) {
+  GateInputs inputs = InputsOf(dataset, features, aligned, part);
+  inputs.calibration_scale_sigma = UncheckedFocalSigma(dataset.rig, prior);
   return ReportPart(inputs, {mapping, poses, adjustment, calibration, {}, {}});
 }
 
@@ -129,7 +144,7 @@ Report JudgeFreeCameras(const Dataset& dataset, const MappingResult& mapped,
                         const AlignedKeyframes& aligned, const AdjustedPart& part,
                         const MappingGateOptions& mapping, const PoseGateOptions& poses,
                         const AdjustmentGateOptions& adjustment,
-                        const CalibrationGateOptions& calibration) {
+                        const CalibrationGateOptions& calibration, const AdjustmentOptions& prior) {
   // Lengths differ by the change to first order; from here on its square is half as much, and no
   // sigma speaks of lengths any more.
   constexpr double kFirstOrder = 0.5;
@@ -141,8 +156,9 @@ Report JudgeFreeCameras(const Dataset& dataset, const MappingResult& mapped,
         change,
         FocalLengthChange(mapped.models[static_cast<std::size_t>(model.model)], dataset.rig));
   }
-  inputs.calibration_scale_sigma =
-      change < kFirstOrder ? change : std::numeric_limits<double>::infinity();
+  inputs.calibration_scale_sigma = change < kFirstOrder
+                                       ? std::hypot(change, UncheckedFocalSigma(dataset.rig, prior))
+                                       : std::numeric_limits<double>::infinity();
   Report report = ReportPart(inputs, {mapping, poses, adjustment, calibration, {}, {}});
   report["verdict"]["text"] =
       report["verdict"]["text"].get<std::string>() +
@@ -207,6 +223,13 @@ AdjustedGatesCheck AdjustedGates() {
   return {.name = "gates",
           .code = CodeHere(),
           .make = JudgeAdjusted,
+          .about = "whether the result contradicts itself"};
+}
+
+MappedGatesCheck MappedGates() {
+  return {.name = "gates",
+          .code = CodeHere(),
+          .make = JudgeMapped,
           .about = "whether the result contradicts itself"};
 }
 

@@ -19,11 +19,18 @@ using AdjustedGatesCheck = Check<
     Reads<MappingGateOptions, PoseGateOptions, AdjustmentGateOptions, CalibrationGateOptions>>;
 AdjustedGatesCheck AdjustedGates();
 
+// The same of poses that COLMAP's mapping alone has made: the focal length was held and nothing
+// checked it, so that its prior counts.
+using MappedGatesCheck = Check<Takes<Dataset, FeatureIndex, AlignedKeyframes, AdjustedPart>,
+                               Reads<MappingGateOptions, PoseGateOptions, AdjustmentGateOptions,
+                                     CalibrationGateOptions, AdjustmentOptions>>;
+MappedGatesCheck MappedGates();
+
 // Without an odometry to agree with, nor keypoints of rigmap's; what COLMAP changed of the focal
-// lengths counts as unknown of all lengths.
-using FreeCameraGatesCheck = Check<
-    Takes<Dataset, MappingResult, AlignedKeyframes, AdjustedPart>,
-    Reads<MappingGateOptions, PoseGateOptions, AdjustmentGateOptions, CalibrationGateOptions>>;
+// lengths counts as unknown of all lengths, beside their prior.
+using FreeCameraGatesCheck = Check<Takes<Dataset, MappingResult, AlignedKeyframes, AdjustedPart>,
+                                   Reads<MappingGateOptions, PoseGateOptions, AdjustmentGateOptions,
+                                         CalibrationGateOptions, AdjustmentOptions>>;
 FreeCameraGatesCheck FreeCameraGates();
 
 // What of these applies to poses that nothing adjusted.
