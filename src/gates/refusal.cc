@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <string_view>
 
 #include "gates/internal/causes.h"
@@ -67,9 +68,13 @@ std::string AccuracyText(const PartFindings& findings) {
           ? fmt::format("; the rig file was off by {:.2g} px and has been corrected",
                         *findings.rig_correction_px)
           : "";
+  const std::string positions =
+      accuracy.position_95_m
+          ? fmt::format(" and positions to {}", LengthText(*accuracy.position_95_m))
+          : std::string();
   const std::string how_good =
-      fmt::format("metres to {:.2g} % and positions to {} (95 %)", *accuracy.scale_95_pct,
-                  LengthText(*accuracy.position_95_m));
+      fmt::format("metres to {:.2g} %{} (95 %){}", *accuracy.scale_95_pct, positions,
+                  positions.empty() ? ", of positions nothing is known" : "");
   if (findings.baseline_m == 0.0) return how_good;
   return fmt::format("{}, if the baseline is {:.2f} mm{}{}", how_good, 1000.0 * findings.baseline_m,
                      accuracy.baseline_95_pct ? " to the sigma that the rig file states" : "",
@@ -95,7 +100,8 @@ std::string Usable(const Failed& failed, const std::vector<const Root*>& roots) 
   const Accuracy& accuracy = findings.accuracy;
   // Gaps that measurements bridge leave all but themselves.
   const bool is_joined = path_holds || (!findings.guessed.empty() && !findings.pieces.empty());
-  if (!is_joined || !accuracy.scale_95_pct || !accuracy.position_95_m) return "nothing";
+  const bool are_metres_known = accuracy.scale_95_pct && std::isfinite(*accuracy.scale_95_pct);
+  if (!is_joined || !are_metres_known) return "nothing";
   return fmt::format("{}{}: {}", path_holds ? "shape and path" : "all poses but the guessed ones",
                      failed.Find("depth_bias_px") ? ", not the dense map" : "",
                      AccuracyText(findings));

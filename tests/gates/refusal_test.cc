@@ -155,6 +155,12 @@ TEST(RefusalOf, OfFiguresThatHoldSaysHowGoodTheyAre) {
   EXPECT_THAT(RefusalOf(gates, corrected).usable,
               testing::EndsWith("; the rig file was off by 4.9 px and has been corrected"));
   EXPECT_EQ(WarningOf(refusal), "not trusted: scale known to 1.2 %, asked 1 %");
+  // As of COLMAP's mapping alone.
+  PartFindings without_positions = Findings();
+  without_positions.accuracy.position_95_m.reset();
+  EXPECT_THAT(
+      RefusalOf(Failing({"scale_95_pct"}, 1.218), without_positions).usable,
+      StartsWith("shape and path: metres to 1.2 % (95 %), of positions nothing is known, if"));
 }
 
 TEST(RefusalOf, AdvisesAgainstWhatTheUncertaintyComesFrom) {
