@@ -21,8 +21,8 @@ constexpr float kFinelyLit_m = 0.025f;      // cells up to this size get soft sh
 // dune's.
 float ShadowReach(const Eigen::Vector3f& position, const LightSource& source) {
   constexpr float kTallest_m = 1.8f, kTallestDune_m = 25.0f;
-  const bool is_far_out =
-      std::abs(position.x()) > 0.5f * static_cast<float>(Terrain::kHinterland_m);
+  constexpr float kFarOut_m = 55.0f;  // half of where dunes begin at the nearest
+  const bool is_far_out = std::abs(position.x()) > kFarOut_m;
   return (is_far_out ? kTallestDune_m : kTallest_m) / std::max(0.05f, source.sun_direction.z());
 }
 

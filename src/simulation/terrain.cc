@@ -196,7 +196,8 @@ struct Terrain::Impl {
 
   // What closes the horizon: nothing within the hinterland.
   double Shores(const Eigen::Vector2d& position) const {
-    const double east_m = position.x() - kHinterland_m, west_m = -position.x() - kHinterland_m;
+    const double east_m = position.x() - options.hinterland_m,
+                 west_m = -position.x() - options.hinterland_m;
     double height_m = 0.0;
     if (east_m > 0.0) {
       const double rise = SmoothStep(0.0, 45.0, east_m);

@@ -12,14 +12,15 @@ struct TerrainOptions {
   double roughness_m = 0.032;     // amplitude of lumps, 4 to 60 cm wide
   double footprint_trails = 1.5;  // trails of 12 m per 100 m2
   double tyre_tracks = 0.3;       // pairs of ruts, 25 m long, per 100 m2
+  double hinterland_m = 110.0;    // how far to the east and west the beach is one
   std::uint64_t seed = 1;
 };
 
-// Footprints and ruts lie within kTrodden_m of the origin; beyond kHinterland_m to the east rise
+// Footprints and ruts lie within kTrodden_m of the origin; beyond the hinterland to the east rise
 // dunes, and as far to the west the beach falls below the sea, which stands at kSeaLevel_m.
 class Terrain {
  public:
-  static constexpr double kTrodden_m = 120.0, kHinterland_m = 110.0, kSeaLevel_m = -1.0;
+  static constexpr double kTrodden_m = 120.0, kSeaLevel_m = -1.0;
 
   explicit Terrain(const TerrainOptions& options);
   ~Terrain();

@@ -159,7 +159,7 @@ class ViewRenderer::View {
                 const PixelFootprint& cover) const {
     const int samples = cover.Samples();
     const float extent_m = std::max(cover.across_m, cover.along_m / static_cast<float>(samples));
-    const bool is_dune = position.x() > Terrain::kHinterland_m;
+    const bool is_dune = position.x() > parts_.options.terrain.hinterland_m;
     Colour sum = Colour::Zero();
     for (int i = 0; i < samples; ++i) {
       const float share = (static_cast<float>(i) + 0.5f) / static_cast<float>(samples) - 0.5f;

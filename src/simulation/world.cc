@@ -101,6 +101,16 @@ std::vector<Mesh> Sea() {
                     Terrain::kSeaLevel_m, Eigen::Vector3f(0.13f, 0.17f, 0.20f))};
 }
 
+// A long way bends far to a side: dunes and the sea are to be beyond it.
+SceneOptions ReachingBeyond(std::span<const Eigen::Vector2d> outline, SceneOptions options) {
+  constexpr double kBeach_m = 20.0;
+  for (const Eigen::Vector2d& at : outline) {
+    options.terrain.hinterland_m =
+        std::max(options.terrain.hinterland_m, std::abs(at.x()) + kBeach_m);
+  }
+  return options;
+}
+
 }  // namespace
 
 const LitMesh* World::Parts::SolidOf(std::uint32_t geometry) const {
@@ -112,11 +122,12 @@ SurfaceKind World::Parts::KindOf(const RayHit& hit) const {
   if (hit.geometry != sand_geometry) return SolidOf(hit.geometry)->kind;
   const SandTile& tile = tiles.tiles()[hit.facet];
   const double middle_x = tile.corner.x() + 0.5 * SandTiles::kCells * tile.cell_m;
-  if (middle_x > Terrain::kHinterland_m) return SurfaceKind::kDune;
+  if (middle_x > options.terrain.hinterland_m) return SurfaceKind::kDune;
   return tile.cell_m < 1.001 * options.sand_cell_m ? SurfaceKind::kSand : SurfaceKind::kCoarseSand;
 }
 
-World::World(const SceneOptions& options, std::span<const Eigen::Vector2d> outline) {
+World::World(const SceneOptions& given, std::span<const Eigen::Vector2d> outline) {
+  const SceneOptions options = ReachingBeyond(outline, given);
   Terrain terrain(options.terrain);
   auto boulders = ScatterBoulders(terrain, outline, options.boulders_per_100_m2, options.seed);
   auto debris = StrewDebris(terrain, outline, kFineSand_m, options.debris_per_m2, options.seed);

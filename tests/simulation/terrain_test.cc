@@ -32,8 +32,9 @@ TEST(Terrain, IsFlatWithoutAmplitudes) {
 
 TEST(Terrain, RisesToDunesInTheEastAndFallsBelowTheSeaInTheWest) {
   const Terrain beach({});
-  EXPECT_GT(beach.Height(Terrain::kHinterland_m + 60.0, 0.0), 0.5);
-  EXPECT_LT(beach.Height(-Terrain::kHinterland_m - 60.0, 0.0), Terrain::kSeaLevel_m);
+  const double hinterland_m = TerrainOptions{}.hinterland_m;
+  EXPECT_GT(beach.Height(hinterland_m + 60.0, 0.0), 0.5);
+  EXPECT_LT(beach.Height(-hinterland_m - 60.0, 0.0), Terrain::kSeaLevel_m);
 }
 
 TEST(Terrain, ACoarseMeshLosesWhatItCannotShow) {

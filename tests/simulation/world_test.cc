@@ -171,6 +171,20 @@ TEST(World, EqualOptionsGiveAnEqualWorldAndSeedsDiffer) {
   EXPECT_GT(different, 400);
 }
 
+TEST(World, DunesAndTheSeaLieBeyondTheWay) {
+  for (const double far_m : {-150.0, 150.0}) {
+    const std::vector<Eigen::Vector2d> outline{{far_m, 0.0}, {far_m, 0.4}};
+    const World world(Coarse("beach", 2), outline);
+    for (double aside_m = -5.0; aside_m <= 5.0; aside_m += 0.5) {
+      const auto hit = world.Cast({far_m + aside_m, 0.2, 30.0}, kDown);
+      ASSERT_TRUE(hit);
+      EXPECT_NE(hit->kind, SurfaceKind::kSea) << far_m + aside_m;
+      EXPECT_NE(hit->kind, SurfaceKind::kDune) << far_m + aside_m;
+      EXPECT_LT(std::abs(hit->position.z()), 0.9) << far_m + aside_m;
+    }
+  }
+}
+
 TEST(World, FlatSandIsFlatAndBare) {
   const World world(Coarse("flat-sand", 2), SmallOutline());
   EXPECT_TRUE(world.boulders().empty());
