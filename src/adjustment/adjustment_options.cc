@@ -26,9 +26,8 @@ OptionFields AdjustmentOptions::Fields() {
        "How much better stretches of the part that were left out must fit, in sigmas, before "
        "refine_rig auto frees more of the rig: each of eight stretches is compared with a rig that "
        "was corrected from the others. No more than one of them may fit worse. The sigmas are "
-       "those "
-       "of residuals, inflated by what residuals of whole tracks say and by shared_noise; chance "
-       "exceeds three once in 700 times."},
+       "those of residuals, inflated by what residuals of whole tracks say and by shared_noise; "
+       "chance exceeds three once in 700 times."},
       {"rig_prior_deg", &rig_prior_deg, "degrees", MoreThan(0.0),
        std::string("How far the rotation of a calibration may be off.") + kPrior},
       {"focal_prior_pct", &focal_prior_pct, "per cent", MoreThan(0.0),
@@ -42,8 +41,7 @@ OptionFields AdjustmentOptions::Fields() {
        "What a calibration with a board leaves unknown of all these together, beside each by "
        "itself: rotation, principal points and distortion can make up for each other where the "
        "board was, and not where it was not. Noise of its corners in 25 views; of the size by "
-       "which "
-       "two calibrations of one rig differed."},
+       "which two calibrations of one rig differed."},
   };
   const OptionFields residuals = {
       {"huber_sigmas", &huber_sigmas, "robust sigmas", MoreThan(0.0),

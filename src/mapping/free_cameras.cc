@@ -62,8 +62,7 @@ OptionFields FreeMappingOptions::Fields() {
        "Of COLMAP's sampling: other seeds give other models, equal ones equal models."},
       {"max_mapping_s", &max_mapping_s, "s", MoreThan(0.0),
        "COLMAP's mapper is ended after this time, without a model. With free cameras it may drop "
-       "what "
-       "it has and begin anew for hours."},
+       "what it has and begin anew for hours."},
   };
 }
 
