@@ -68,13 +68,7 @@ std::string AccuracyText(const PartFindings& findings) {
           ? fmt::format("; the rig file was off by {:.2g} px and has been corrected",
                         *findings.rig_correction_px)
           : "";
-  const std::string positions =
-      accuracy.position_95_m
-          ? fmt::format(" and positions to {}", LengthText(*accuracy.position_95_m))
-          : std::string();
-  const std::string how_good =
-      fmt::format("metres to {:.2g} %{} (95 %){}", *accuracy.scale_95_pct, positions,
-                  positions.empty() ? ", of positions nothing is known" : "");
+  const std::string how_good = fmt::format("metres to {}", HowGood(accuracy));
   if (findings.baseline_m == 0.0) return how_good;
   return fmt::format("{}, if the baseline is {:.2f} mm{}{}", how_good, 1000.0 * findings.baseline_m,
                      accuracy.baseline_95_pct ? " to the sigma that the rig file states" : "",
@@ -159,6 +153,14 @@ std::string WarningOf(const Refusal& refusal) {
   const std::size_t more = refusal.causes.size() - 1;
   return fmt::format("not trusted: {}{}", refusal.causes.front().brief,
                      more > 0 ? fmt::format("; {} more", more) : "");
+}
+
+std::string HowGood(const Accuracy& accuracy) {
+  if (!accuracy.position_95_m) {
+    return fmt::format("{:.2g} % (95 %), of positions nothing is known", *accuracy.scale_95_pct);
+  }
+  return fmt::format("{:.2g} % and positions to {} (95 %)", *accuracy.scale_95_pct,
+                     LengthText(*accuracy.position_95_m));
 }
 
 std::string LengthText(double metres) {

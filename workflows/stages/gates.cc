@@ -97,12 +97,8 @@ Report ReportPart(const GateInputs& inputs, const GateOptions& options) {
   std::string text;
   if (accuracy.scale_95_pct && !std::isfinite(*accuracy.scale_95_pct)) {
     text = "of metres nothing is known; ";
-  } else if (accuracy.scale_95_pct && accuracy.position_95_m) {
-    text = fmt::format("metres good to {:.2g} % and positions to {} (95 %); ",
-                       *accuracy.scale_95_pct, LengthText(*accuracy.position_95_m));
   } else if (accuracy.scale_95_pct) {
-    text = fmt::format("metres good to {:.2g} % (95 %), of positions nothing is known; ",
-                       *accuracy.scale_95_pct);
+    text = fmt::format("metres good to {}; ", HowGood(accuracy));
   }
   report["verdict"]["text"] = text + AboutRig(inputs);
   report["depth_consistency"] = ReportDepthConsistency(inputs.depth_consistency);
