@@ -20,13 +20,15 @@ OptionFields AdjustmentOptions::Fields() {
        "points, distortion (k1 k2 p1 p2) and a factor between the eyes' focal lengths. all: both. "
        "auto: none, then all-but-focal, then all, each step taken only where stretches of the part "
        "that were left out fit better with it (refine_sigmas), and by enough to matter, a "
-       "twentieth of the prior. The baseline's length never moves: it is where the metres come "
-       "from. A corrected rig is written to rig_refined.yaml and can serve as --rig."},
+       "twentieth of the prior; all only where regions of the image that were left out fit better, "
+       "too. The baseline's length never moves: it is where the metres come from. A corrected rig "
+       "is written to rig_refined.yaml and can serve as --rig."},
       {"refine_sigmas", &refine_sigmas, "sigmas", MoreThan(0.0),
        "How much better stretches of the part that were left out must fit, in sigmas, before "
        "refine_rig auto frees more of the rig: each of eight stretches is compared with a rig that "
-       "was corrected from the others. No more than one of them may fit worse. The sigmas are "
-       "those of residuals, inflated by what residuals of whole tracks say and by shared_noise; "
+       "was corrected from the others, for the focal length each of eight regions of the image as "
+       "well. No more than one of them may fit worse. The sigmas are those of residuals, inflated "
+       "by what residuals of whole tracks say and by shared_noise; "
        "chance exceeds three once in 700 times."},
       {"rig_prior_deg", &rig_prior_deg, "degrees", MoreThan(0.0),
        std::string("How far the rotation of a calibration may be off.") + kPrior},
@@ -60,8 +62,9 @@ OptionFields AdjustmentOptions::Fields() {
       {"max_depth_baselines", &max_depth_baselines, "baselines", MoreThan(0.0),
        "Points further away are left out: they have less than a pixel of disparity and hardly move "
        "the result."},
-      {"rounds", &rounds, "", AtLeast(1).UpTo(20),
-       "Rounds of triangulating, adjusting and dropping observations."},
+      {"rounds", &rounds, "", AtLeast(2).UpTo(20),
+       "Rounds of triangulating, adjusting and dropping observations. The rig is corrected before "
+       "the last one."},
   };
   return JoinFields({rig, residuals});
 }

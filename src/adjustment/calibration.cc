@@ -6,6 +6,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <string_view>
 
 namespace rigmap {
 namespace {
@@ -62,6 +63,16 @@ LinearSystem SystemOf(const CalibrationVector& freed, const CalibrationVector& n
   return system;
 }
 
+// The most probable correction by all observations but those of one block.
+CalibrationVector WithoutBlock(const CalibrationVector& freed, const CalibrationVector& now,
+                               const CalibrationEquations& equations,
+                               const CalibrationBlock& left_out, double inflation,
+                               const CalibrationPrior& prior) {
+  return SystemOf(freed, now, equations.score - left_out.score,
+                  equations.information - left_out.information, inflation, prior)
+      .Solution();
+}
+
 }  // namespace
 
 std::optional<CalibrationStep> RotationAndFocalStep(const CalibrationEquations& equations) {
@@ -110,6 +121,24 @@ bool IsFocalRejected(RigRefinement refined, const CalibrationVector& now,
              kConflictSigmas * std::sqrt(all.covariance(kLogFocal, kLogFocal));
 }
 
+// Delete-one jackknife over the regions of the image: what all stretches have in common, as a lens
+// that its model does not describe, differs between these.
+double FocalVarianceOverRegions(const CalibrationVector& now, const CalibrationEquations& equations,
+                                const CalibrationPrior& prior, const AdjustmentOptions& options) {
+  const auto count = static_cast<double>(equations.regions.size());
+  const double inflation = Inflation(equations, options);
+  double sum = 0.0, squares = 0.0;
+  for (const CalibrationBlock& left_out : equations.regions) {
+    const double found = WithoutBlock(FreedBy(RigRefinement::kAll), now, equations, left_out,
+                                      inflation, prior)(kLogFocal) -
+                         now(kLogFocal);
+    sum += found;
+    squares += found * found;
+  }
+  if (equations.regions.empty() || !std::isfinite(squares)) return 0.0;
+  return std::max(0.0, (count - 1.0) * (squares / count - (sum / count) * (sum / count)));
+}
+
 // What the others would do if the focal length were another one.
 CalibrationVector FollowingFocal(const CalibrationMatrix& covariance) {
   return covariance.col(kLogFocal) / covariance(kLogFocal, kLogFocal);
@@ -124,15 +153,22 @@ CalibrationMatrix CalibrationError(RigRefinement refined, const CalibrationVecto
   const auto all = MostProbable(RigRefinement::kAll, now, equations, prior, options);
   if (!all) return prior.sigmas.cwiseAbs2().asDiagonal();
   const CalibrationVector off = all->correction - now;
-  if (!IsFocalRejected(refined, now, *all, options)) return all->covariance + off * off.transpose();
   const CalibrationVector following = FollowingFocal(all->covariance);
-  const CalibrationMatrix held =
-      all->covariance - all->covariance(kLogFocal, kLogFocal) * following * following.transpose();
+  const double variance = all->covariance(kLogFocal, kLogFocal);
+  const CalibrationMatrix by_focal = following * following.transpose();
+  const CalibrationMatrix held = all->covariance - variance * by_focal;
+  if (!IsFocalRejected(refined, now, *all, options)) {
+    const double unlike = FocalVarianceOverRegions(now, equations, prior, options);
+    return held + std::max(variance, unlike) * by_focal + off * off.transpose();
+  }
   const CalibrationVector off_held = off - off(kLogFocal) * following;
-  // What makes them ask is no larger than some of what they ask for.
+  // What makes them ask is no larger than some of what they ask for. If it is right all the same,
+  // it is two sigmas away.
   constexpr double kTimesAsked = 2.0;
-  const double sigma = std::min(prior.sigmas(kLogFocal), kTimesAsked * std::abs(off(kLogFocal)));
-  return held + off_held * off_held.transpose() + sigma * sigma * following * following.transpose();
+  const double asked = std::abs(off(kLogFocal));
+  const double sigma =
+      std::max(asked / kTimesAsked, std::min(prior.sigmas(kLogFocal), kTimesAsked * asked));
+  return held + off_held * off_held.transpose() + sigma * sigma * by_focal;
 }
 
 CalibrationMatrix CalibrationErrorElsewhere(RigRefinement refined, const CalibrationVector& now,
@@ -151,18 +187,16 @@ CalibrationMatrix CalibrationErrorElsewhere(RigRefinement refined, const Calibra
 std::optional<LeftOutGain> GainOfRefining(RigRefinement from, RigRefinement to,
                                           const CalibrationVector& now,
                                           const CalibrationEquations& equations,
+                                          const std::vector<CalibrationBlock>& blocks,
                                           const CalibrationPrior& prior,
                                           const AdjustmentOptions& options) {
-  if (equations.blocks.size() < kMinBlocks) return std::nullopt;
+  if (blocks.size() < kMinBlocks) return std::nullopt;
   const double inflation = Inflation(equations, options);
-  LeftOutGain found{.stretches = static_cast<int>(equations.blocks.size())};
-  for (const CalibrationBlock& left_out : equations.blocks) {
+  LeftOutGain found{.blocks = static_cast<int>(blocks.size())};
+  for (const CalibrationBlock& left_out : blocks) {
     const auto gain_of = [&](RigRefinement refined) {
       const CalibrationVector step =
-          SystemOf(FreedBy(refined), now, equations.score - left_out.score,
-                   equations.information - left_out.information, inflation, prior)
-              .Solution() -
-          now;
+          WithoutBlock(FreedBy(refined), now, equations, left_out, inflation, prior) - now;
       return left_out.score.dot(step) - 0.5 * step.dot(left_out.information * step);
     };
     const double gain = (gain_of(to) - gain_of(from)) / inflation;
@@ -181,21 +215,27 @@ RigRefinement NextRefinement(RigRefinement refined, const CalibrationVector& now
   if (refined == RigRefinement::kAll) return refined;
   const RigRefinement next =
       refined == RigRefinement::kNone ? RigRefinement::kAllButFocal : RigRefinement::kAll;
-  const auto gain = GainOfRefining(refined, next, now, equations, prior, options);
   const auto correction = MostProbable(next, now, equations, prior, options);
-  if (!gain || !correction) return refined;
-  spdlog::info("rig refined by {} instead of {}: left-out stretches gain {:.1f}, {} of {} against",
-               NameOf(next), NameOf(refined), gain->sum, gain->against, gain->stretches);
+  if (!correction) return refined;
+  const auto confirm = [&](const std::vector<CalibrationBlock>& blocks, std::string_view what) {
+    const auto gain = GainOfRefining(refined, next, now, equations, blocks, prior, options);
+    if (!gain) return false;
+    spdlog::info("rig refined by {} instead of {}: {} left out gain {:.1f}, {} of {} against",
+                 NameOf(next), NameOf(refined), what, gain->sum, gain->against, gain->blocks);
+    // One block in eight may show something else: a person, a car, glare.
+    constexpr int kBlocksPerDissenter = 8;
+    return gain->sum > 0.5 * options.refine_sigmas * options.refine_sigmas &&
+           gain->against <= gain->blocks / kBlocksPerDissenter;
+  };
   // Over long paths the least noise that all frames share becomes significant.
   constexpr double kMattersPriorSigmas = 0.05;  // 0.005 degrees, 0.025 %, 0.05 px
   const bool matters =
       ((correction->correction - now).cwiseQuotient(prior.sigmas).cwiseAbs().array() >
        kMattersPriorSigmas)
           .any();
-  // One stretch in eight may show something else: a person, a car, glare.
-  constexpr int kStretchesPerDissenter = 8;
-  const bool is_confirmed = gain->sum > 0.5 * options.refine_sigmas * options.refine_sigmas &&
-                            gain->against <= gain->stretches / kStretchesPerDissenter;
+  const bool is_confirmed =
+      confirm(equations.stretches, "stretches") &&
+      (next == RigRefinement::kAllButFocal || confirm(equations.regions, "regions of the image"));
   return matters && is_confirmed ? next : refined;
 }
 

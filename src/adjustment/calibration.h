@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <optional>
+#include <vector>
 
 #include "adjustment/adjustment_options.h"
 #include "scene/calibration.h"
@@ -60,9 +61,11 @@ std::optional<ProbableCorrection> MostProbable(RigRefinement refined, const Cali
 
 // Mean square error of the calibration at the correction `now`, in which the parameters of
 // `refined` are free: what the part and the prior leave unknown, and how far the most probable
-// correction lies from it. Where the images ask for a focal length that left-out stretches did not
-// confirm, they do not know it: its sigma is twice what they ask for, and at most that of the
-// prior. Where the equations are singular the prior counts.
+// correction lies from it. Regions of the image that ask for different focal lengths leave it as
+// uncertain as a jackknife over them tells (delete one region, Efron and Stein 1981). Where the
+// images ask for one that was not confirmed, they do not know it: its sigma is twice what they ask
+// for and at most that of the prior, but no less than half of what they ask for. Where the
+// equations are singular the prior counts.
 CalibrationMatrix CalibrationError(RigRefinement refined, const CalibrationVector& now,
                                    const CalibrationEquations& equations,
                                    const CalibrationPrior& prior, const AdjustmentOptions& options);
@@ -74,23 +77,26 @@ CalibrationMatrix CalibrationErrorElsewhere(RigRefinement refined, const Calibra
                                             const CalibrationPrior& prior,
                                             const AdjustmentOptions& options);
 
-// How much better stretches of the part fit a rig that is corrected from all the others: half the
-// decrease of their weighted squares, in units of what chance gives (the inflation of the noise).
+// How much better blocks of the observations fit a rig that is corrected from all the others: half
+// the decrease of their weighted squares, in units of what chance gives (the inflation of the
+// noise).
 struct LeftOutGain {
-  double sum = 0.0;  // over all stretches
-  int stretches = 0;
-  int against = 0;  // stretches that fit worse, by more than chance
+  double sum = 0.0;  // over all blocks
+  int blocks = 0;
+  int against = 0;  // blocks that fit worse, by more than chance
 };
-// Nothing for less than four stretches.
+// `blocks` are the stretches or the regions of `equations`. Nothing for less than four.
 std::optional<LeftOutGain> GainOfRefining(RigRefinement from, RigRefinement to,
                                           const CalibrationVector& now,
                                           const CalibrationEquations& equations,
+                                          const std::vector<CalibrationBlock>& blocks,
                                           const CalibrationPrior& prior,
                                           const AdjustmentOptions& options);
 
 // Which parameters to free, where `now` is the correction with those of `refined` free: what
 // options.refine_rig says, for "auto" one step further than `refined` at most. All but the common
-// focal length are freed first, since that must not make up for what the lens model lacks.
+// focal length are freed first, where stretches of the part confirm it; the focal length must not
+// make up for what the lens model lacks, so regions of the image have to confirm it as well.
 RigRefinement NextRefinement(RigRefinement refined, const CalibrationVector& now,
                              const CalibrationEquations& equations, const CalibrationPrior& prior,
                              const AdjustmentOptions& options);

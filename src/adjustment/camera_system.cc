@@ -120,8 +120,10 @@ std::optional<CalibrationSolution> SolveBorder(const ReducedSystem& system, cons
     solution.responses[frame] = {step.segment<6>(6 * system.unknown[frame]),
                                  -solved.middleRows<6>(6 * system.unknown[frame])};
   }
-  equations.blocks = CalibrationBlocks(at.points, at.left_from_world, at.rig, solution.responses,
-                                       at.noise_px, at.huber_px);
+  CalibrationBlocks blocks = DivideCalibration(at.points, at.left_from_world, at.rig,
+                                               solution.responses, at.noise_px, at.huber_px);
+  equations.stretches = std::move(blocks.stretches);
+  equations.regions = std::move(blocks.regions);
   return solution;
 }
 

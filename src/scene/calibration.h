@@ -50,7 +50,8 @@ constexpr auto NamesOf(RigRefinement) {
   return std::array{"none", "rotation", "rotation+focal", "all-but-focal", "all", "auto"};
 }
 
-// What a stretch of a part says of the calibration, the poses of the whole part following it.
+// What a stretch of a part, or a region of the image, says of the calibration, the poses of the
+// whole part following it.
 struct CalibrationBlock {
   CalibrationVector score = CalibrationVector::Zero();
   CalibrationMatrix information = CalibrationMatrix::Zero();
@@ -68,13 +69,13 @@ struct CalibrationEquations {
   CalibrationMatrix information = CalibrationMatrix::Zero();  // as if observations were independent
   // Of the score, residuals of one track going together as they will.
   CalibrationMatrix score_covariance = CalibrationMatrix::Zero();
-  // Score and information by stretches of about equally many frames, in order: their sums are those
-  // of the whole.
-  std::vector<CalibrationBlock> blocks;
+  // Score and information by stretches of about equally many frames, in order, and by regions of
+  // the image: the sums of either are those of the whole.
+  std::vector<CalibrationBlock> stretches, regions;
 
   template <class Archive>
   void serialize(Archive& archive) {
-    archive(score, information, score_covariance, blocks);
+    archive(score, information, score_covariance, stretches, regions);
   }
 };
 

@@ -188,22 +188,25 @@ TEST_F(CalibrationTest, WhatIsNotCorrectedCountsAsWell) {
   EXPECT_GT(doubted.infinity_offset_sigma_px, 10.0 * sure.infinity_offset_sigma_px);
 }
 
-TEST_F(CalibrationTest, StretchesAddUpToTheWhole) {
+TEST_F(CalibrationTest, StretchesAndRegionsAddUpToTheWhole) {
   TurnRight(kTurn_rad * Eigen::Vector3d::UnitX());
   const Adjustment adjusted =
       Adjust(AllOf(rover_.world_from_left), {.refine_rig = RigRefinement::kNone});
   ASSERT_TRUE(adjusted.calibration);
   const CalibrationEquations& whole = *adjusted.calibration;
-  ASSERT_EQ(whole.blocks.size(), 5U);  // of ten frames
-  CalibrationVector score = CalibrationVector::Zero();
-  CalibrationMatrix information = CalibrationMatrix::Zero();
-  for (const CalibrationBlock& block : whole.blocks) {
-    score += block.score;
-    information += block.information;
-    EXPECT_GT(block.information.trace(), 0.0);
+  ASSERT_EQ(whole.stretches.size(), 5U);  // of ten frames
+  ASSERT_EQ(whole.regions.size(), 8U);
+  for (const auto& blocks : {whole.stretches, whole.regions}) {
+    CalibrationVector score = CalibrationVector::Zero();
+    CalibrationMatrix information = CalibrationMatrix::Zero();
+    for (const CalibrationBlock& block : blocks) {
+      score += block.score;
+      information += block.information;
+      EXPECT_GT(block.information.trace(), 0.0);
+    }
+    EXPECT_LT((score - whole.score).norm(), 1e-6 * whole.score.norm());
+    EXPECT_LT((information - whole.information).norm(), 1e-6 * whole.information.norm());
   }
-  EXPECT_LT((score - whole.score).norm(), 1e-6 * whole.score.norm());
-  EXPECT_LT((information - whole.information).norm(), 1e-6 * whole.information.norm());
 }
 
 // Equations of stretches in which one parameter is off by `off` of its prior sigmas, each stretch
@@ -218,8 +221,9 @@ CalibrationEquations Stretches(CalibrationParameter parameter, double off,
         block.information(parameter, parameter) * (off + scattered) * prior.sigmas(parameter);
     equations.score += block.score;
     equations.information += block.information;
-    equations.blocks.push_back(block);
+    equations.stretches.push_back(block);
   }
+  equations.regions = equations.stretches;
   equations.score_covariance = equations.information;
   return equations;
 }
@@ -240,6 +244,16 @@ TEST(NextRefinement, FreesTheFocalLengthLast) {
   // Stretches that contradict each other do not confirm what they say together.
   const std::vector<double> unlike{9.0, -9.0, 8.0, -8.0, 9.0, -9.0, 8.0, -8.0};
   EXPECT_EQ(next(RigRefinement::kAllButFocal, kLogFocal, 2.0, unlike), RigRefinement::kAllButFocal);
+  // Nor do regions of the image that do, while all stretches agree.
+  CalibrationEquations dissenting = Stretches(kLogFocal, 2.0, prior, alike);
+  dissenting.regions = Stretches(kLogFocal, 2.0, prior, unlike).stretches;
+  EXPECT_EQ(NextRefinement(RigRefinement::kAllButFocal, now, dissenting, prior, options),
+            RigRefinement::kAllButFocal);
+  // For the rest they are not asked.
+  dissenting = Stretches(kRotationY, 2.0, prior, alike);
+  dissenting.regions = Stretches(kRotationY, 2.0, prior, unlike).stretches;
+  EXPECT_EQ(NextRefinement(RigRefinement::kNone, now, dissenting, prior, options),
+            RigRefinement::kAllButFocal);
   // What hardly matters is left, however sure.
   EXPECT_EQ(next(RigRefinement::kNone, kRotationY, 0.02, alike), RigRefinement::kNone);
   // Told what to free, it does.
@@ -254,7 +268,8 @@ TEST(NextRefinement, NeedsStretchesToLeaveOut) {
   const CalibrationPrior prior = PriorOf(LocCamRig(), options);
   const CalibrationVector now = CalibrationVector::Zero();
   const CalibrationEquations few = Stretches(kRotationY, 2.0, prior, {0.0, 0.0, 0.0});
-  EXPECT_FALSE(GainOfRefining(RigRefinement::kNone, RigRefinement::kAll, now, few, prior, options));
+  EXPECT_FALSE(GainOfRefining(RigRefinement::kNone, RigRefinement::kAll, now, few, few.stretches,
+                              prior, options));
   EXPECT_EQ(NextRefinement(RigRefinement::kNone, now, few, prior, options), RigRefinement::kNone);
 }
 
@@ -268,12 +283,36 @@ TEST(CalibrationError, OfAFocalLengthThatWasNotConfirmedIsWhatWasAskedForAndAtMo
     const CalibrationMatrix error = CalibrationError(refined, now, equations, prior, options);
     return std::sqrt(error(kLogFocal, kLogFocal)) / prior.sigmas(kLogFocal);
   };
-  EXPECT_NEAR(sigma(RigRefinement::kAllButFocal, 3.0), 1.0, 1e-6);
+  EXPECT_NEAR(sigma(RigRefinement::kAllButFocal, 1.5), 1.0, 1e-6);
+  // Where they ask for far more than a rig file is off by, half of that.
+  EXPECT_NEAR(sigma(RigRefinement::kAllButFocal, 3.0), 1.5, 0.01);
   // Where it was not asked, how far it is off counts.
   EXPECT_GT(sigma(RigRefinement::kNone, 3.0), 2.5);
   // Sure of little, as a long path is, they are known to little.
   EXPECT_NEAR(sigma(RigRefinement::kAllButFocal, 0.4), 0.8, 0.05);
   EXPECT_LT(sigma(RigRefinement::kAllButFocal, 0.0), 0.2);
+}
+
+// As with a lens that its model does not describe: each region asks for another focal length, all
+// stretches for the same.
+TEST(CalibrationError, IsWhatRegionsOfTheImageDisagreeBy) {
+  const AdjustmentOptions options;
+  const CalibrationPrior prior = PriorOf(LocCamRig(), options);
+  const CalibrationVector now = CalibrationVector::Zero();
+  const std::vector<double> scatter{0.9, -0.9, 0.8, -0.8, 0.9, -0.9, 0.8, -0.8};
+  CalibrationEquations equations =
+      Stretches(kLogFocal, 0.0, prior, std::vector<double>(scatter.size(), 0.0));
+  const auto sigma = [&](CalibrationParameter parameter) {
+    const CalibrationMatrix error =
+        CalibrationError(RigRefinement::kAll, now, equations, prior, options);
+    return std::sqrt(error(parameter, parameter)) / prior.sigmas(parameter);
+  };
+  const double agreeing = sigma(kLogFocal), rotation = sigma(kRotationY);
+  equations.regions = Stretches(kLogFocal, 0.0, prior, scatter).stretches;
+  // Standard error of the mean of eight such numbers.
+  EXPECT_NEAR(sigma(kLogFocal), 0.91 / std::sqrt(8.0), 0.03);
+  EXPECT_LT(agreeing, 0.1);
+  EXPECT_EQ(sigma(kRotationY), rotation);
 }
 
 TEST(RightPixelAtInfinity, ShiftsWithTheRightEye) {

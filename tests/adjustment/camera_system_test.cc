@@ -235,7 +235,8 @@ TEST_F(CameraSystemTest, CalibrationAloneIsThatOfTheWhole) {
   ASSERT_TRUE(whole.calibration && alone);
   EXPECT_EQ(alone->equations.information, whole.calibration->information);
   EXPECT_EQ(alone->equations.score, whole.calibration->score);
-  EXPECT_EQ(alone->equations.blocks.size(), whole.calibration->blocks.size());
+  EXPECT_EQ(alone->equations.stretches.size(), whole.calibration->stretches.size());
+  EXPECT_EQ(alone->equations.regions.size(), whole.calibration->regions.size());
 }
 
 // A pose that follows a change of the calibration is nearer to where an adjustment then puts it.

@@ -25,10 +25,11 @@ class PoolCalibrationsTest : public testing::Test {
         told(i) += random_.Normal(prior_.sigmas(i) / 20.0);
       }
       block.score = block.information * (told - at);
-      part.equations.blocks.push_back(block);
+      part.equations.stretches.push_back(block);
       part.equations.score += block.score;
       part.equations.information += block.information;
     }
+    part.equations.regions = part.equations.stretches;
     part.equations.score_covariance = part.equations.information;
     return part;
   }
@@ -88,8 +89,8 @@ TEST_F(PoolCalibrationsTest, WhatMakesUpForAHeldFocalLengthIsUnknown) {
   CalibrationWitness part = Witness(Off(4.0, 0.0), Off(4.0, 0.0));
   part.equations.score.setZero();
   part.equations.information.setZero();
-  for (std::size_t i = 0; i < part.equations.blocks.size(); ++i) {
-    CalibrationBlock& block = part.equations.blocks[i];
+  for (std::size_t i = 0; i < part.equations.stretches.size(); ++i) {
+    CalibrationBlock& block = part.equations.stretches[i];
     CalibrationMatrix& information = block.information;
     information(kLogFocal, kLeftK1) = information(kLeftK1, kLogFocal) =
         kCoupled * std::sqrt(information(kLogFocal, kLogFocal) * information(kLeftK1, kLeftK1));
@@ -98,6 +99,7 @@ TEST_F(PoolCalibrationsTest, WhatMakesUpForAHeldFocalLengthIsUnknown) {
     part.equations.score += block.score;
     part.equations.information += information;
   }
+  part.equations.regions = part.equations.stretches;
   part.equations.score_covariance = part.equations.information;
   const PooledCalibration pooled = Pool({part});
   ASSERT_EQ(pooled.refined, RigRefinement::kAllButFocal);

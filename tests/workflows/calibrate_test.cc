@@ -48,10 +48,11 @@ class CalibrateTest : public testing::Test {
       CalibrationVector told = from_given;
       for (int i = 0; i < kCalibrationSize; ++i) told(i) += random_.Normal(sigmas(i) / 10.0);
       block.score = block.information * told;
-      equations.blocks.push_back(block);
+      equations.stretches.push_back(block);
       equations.score += block.score;
       equations.information += block.information;
     }
+    equations.regions = equations.stretches;
     equations.score_covariance = equations.information;
     return equations;
   }

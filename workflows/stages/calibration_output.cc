@@ -29,15 +29,22 @@ Matrix Read(const Json& numbers) {
   return Eigen::Map<const Matrix>(values.data());
 }
 
-Json WriteEquations(const CalibrationVector& score, const CalibrationMatrix& information,
-                    double inflation) {
-  return {{"score", Numbers((score / inflation).eval())},
-          {"information", Numbers((information / inflation).eval())}};
+Json WriteBlocks(const std::vector<CalibrationBlock>& blocks, double inflation) {
+  Json written = Json::array();
+  for (const CalibrationBlock& block : blocks) {
+    written.push_back({{"score", Numbers((block.score / inflation).eval())},
+                       {"information", Numbers((block.information / inflation).eval())}});
+  }
+  return written;
 }
 
-CalibrationBlock ReadBlock(const Json& equations) {
-  return {Read<CalibrationVector>(equations.at("score")),
-          Read<CalibrationMatrix>(equations.at("information"))};
+std::vector<CalibrationBlock> ReadBlocks(const Json& written) {
+  std::vector<CalibrationBlock> blocks;
+  for (const Json& block : written) {
+    blocks.push_back({Read<CalibrationVector>(block.at("score")),
+                      Read<CalibrationMatrix>(block.at("information"))});
+  }
+  return blocks;
 }
 
 PartCalibration ReadPart(const Json& part, const std::filesystem::path& path) {
@@ -45,11 +52,11 @@ PartCalibration ReadPart(const Json& part, const std::filesystem::path& path) {
                        part.at("frames"),
                        Read<CalibrationVector>(part.at("correction")),
                        {}};
-  for (const Json& stretch : part.at("stretches")) {
-    const CalibrationBlock block = ReadBlock(stretch);
-    read.equations.score += block.score;
-    read.equations.information += block.information;
-    read.equations.blocks.push_back(block);
+  read.equations.stretches = ReadBlocks(part.at("stretches"));
+  read.equations.regions = ReadBlocks(part.at("regions"));
+  for (const CalibrationBlock& stretch : read.equations.stretches) {
+    read.equations.score += stretch.score;
+    read.equations.information += stretch.information;
   }
   read.equations.score_covariance = read.equations.information;
   return read;
@@ -64,12 +71,12 @@ void PublishCalibration(const Dataset& dataset, const DatasetContent& content,
   Json part = {{"rig", WritePooledRigFile({WithoutMasks(dataset.rig), dataset.rig_pool})},
                {"frames", frames},
                {"correction", Numbers(adjustment.rig_correction)},
-               {"stretches", Json::array()}};
+               {"stretches", Json::array()},
+               {"regions", Json::array()}};
   if (adjustment.calibration) {
-    for (const CalibrationBlock& block : adjustment.calibration->blocks) {
-      part["stretches"].push_back(
-          WriteEquations(block.score, block.information, adjustment.calibration_inflation));
-    }
+    const double inflation = adjustment.calibration_inflation;
+    part["stretches"] = WriteBlocks(adjustment.calibration->stretches, inflation);
+    part["regions"] = WriteBlocks(adjustment.calibration->regions, inflation);
   }
   publication.File("calibration.json",
                    [&](std::ostream& stream) { stream << part.dump() << "\n"; });
@@ -80,7 +87,7 @@ std::optional<PartCalibration> ReadCalibration(const std::filesystem::path& out)
   const std::string text = ReadTextFile(path);
   try {
     PartCalibration part = ReadPart(Json::parse(text), path);
-    return part.equations.blocks.empty() ? std::nullopt : std::optional(std::move(part));
+    return part.equations.stretches.empty() ? std::nullopt : std::optional(std::move(part));
   } catch (const Json::exception& error) {
     throw DataError(fmt::format("{}: expected what rigmap part writes there, found {}",
                                 path.string(), error.what()));

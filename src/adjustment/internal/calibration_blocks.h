@@ -1,4 +1,4 @@
-// What single stretches of a part say of the rig's calibration.
+// What single stretches of a part, and single regions of the image, say of the rig's calibration.
 #pragma once
 
 #include <optional>
@@ -16,11 +16,18 @@ struct PoseResponse {
       Eigen::Matrix<double, 6, kCalibrationSize>::Zero();
 };
 
-// Points by the frame that saw them first, in eight stretches of equally many posed frames, fewer
-// of a part with fewer frames. Weights are those of SolveCameraSystem; responses stand per frame.
-std::vector<CalibrationBlock> CalibrationBlocks(
-    const std::vector<AdjustedPoint>& points,
-    const std::vector<std::optional<Rigid3>>& left_from_world, const StereoRig& rig,
-    const std::vector<PoseResponse>& responses, double noise_px, double huber_px);
+struct CalibrationBlocks {
+  std::vector<CalibrationBlock> stretches, regions;
+};
+
+// Stretches: points by the frame that saw them first, in eight of equally many posed frames, fewer
+// of a part with fewer frames. Regions: by where the left image shows them on the average, in four
+// rings about its principal point with equally many points, left and right halves of each; none
+// without stretches. Weights are those of SolveCameraSystem; responses stand per frame.
+CalibrationBlocks DivideCalibration(const std::vector<AdjustedPoint>& points,
+                                    const std::vector<std::optional<Rigid3>>& left_from_world,
+                                    const StereoRig& rig,
+                                    const std::vector<PoseResponse>& responses, double noise_px,
+                                    double huber_px);
 
 }  // namespace rigmap
