@@ -3,6 +3,7 @@
 #include <fmt/ranges.h>
 #include <spdlog/spdlog.h>
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -191,6 +192,13 @@ class Adjuster {
     return covariances;
   }
 
+  // Where the images are not asked, the prior counts.
+  CalibrationMatrix ErrorOfCalibration(const CameraSystemResult& system) const {
+    return system.calibration
+               ? CalibrationError(refined_, correction_, *system.calibration, prior_, options_)
+               : prior_.information.inverse().eval();
+  }
+
   Adjustment Result(CameraSystemResult system) {
     Adjustment result;
     const auto errors = ErrorsPx(bundle_);
@@ -201,10 +209,7 @@ class Adjuster {
     result.outlier_share =
         1.0 - static_cast<double>(errors.size()) /
                   static_cast<double>(std::max({all, errors.size(), std::size_t{1}}));
-    const CalibrationMatrix of_calibration =
-        system.calibration
-            ? CalibrationError(refined_, correction_, *system.calibration, prior_, options_)
-            : CalibrationMatrix::Zero().eval();
+    const CalibrationMatrix of_calibration = ErrorOfCalibration(system);
     result.covariances = InflatedCovariances(system, of_calibration);
     if (system.scale) {
       const CalibrationVector& by_calibration = system.scale->by_calibration;

@@ -28,9 +28,9 @@ OptionFields OdometryOptions::Fields() {
       {"search_radius_px", &search_radius_px, "px", MoreThan(0.0),
        "Half width of the first search, around the predicted position. Without success the whole "
        "image is searched."},
-      {"speed_change_share", &speed_change_share, "1/s", MoreThan(0.0),
-       "Sigma of the change of speed per second while nothing can be measured, as a share of the "
-       "largest speed of the part. What the wheels of a rover can do."},
+      {"speed_change_share", &speed_change_share, "", MoreThan(0.0),
+       "Sigma of the speed while nothing can be measured, as a share of the largest speed of the "
+       "part. It may last as long as the gap. What the wheels of a rover can do."},
       {"turn_change_rad_per_s", &turn_change_rad_per_s, "rad/s", MoreThan(0.0),
        "Sigma of the turn rate while nothing can be measured. What the wheels of a rover can do."},
   };

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 namespace rigmap {
 namespace {
@@ -13,6 +14,27 @@ double SpeedMPerS(const Odometry& odometry, std::size_t i) {
   const OdometryFrame &from = odometry[i - 1], &to = odometry[i];
   return (to.world_from_left.translation - from.world_from_left.translation).norm() /
          SecondsBetween(from.stamp_ns, to.stamp_ns);
+}
+
+double SecondsOfStep(const Odometry& odometry, std::size_t i) {
+  return std::abs(SecondsBetween(odometry[odometry[i].reference].stamp_ns, odometry[i].stamp_ns));
+}
+
+// Per frame, how long nothing has been measured; 0 for those that were.
+std::vector<double> UnmeasuredSeconds(const Odometry& odometry) {
+  std::vector<double> seconds(odometry.size(), 0.0);
+  const auto go_on = [&](std::size_t i) {
+    if (odometry[i].source != PoseSource::kPredicted) return;
+    seconds[i] = seconds[odometry[i].reference] + SecondsOfStep(odometry, i);
+  };
+  // Those that lie before the first one measured hang on later ones.
+  for (std::size_t i = 0; i < odometry.size(); ++i) {
+    if (odometry[i].reference < static_cast<int>(i)) go_on(i);
+  }
+  for (std::size_t i = odometry.size(); i-- > 0;) {
+    if (odometry[i].reference > static_cast<int>(i)) go_on(i);
+  }
+  return seconds;
 }
 
 }  // namespace
@@ -38,16 +60,18 @@ void SetPredictionCovariances(Odometry& odometry, const UnmeasuredMotion& unmeas
   // Where nothing was seen to move, nothing is known of the speed: a walking pace.
   constexpr double kUnknownSpeed_m_per_s = 1.0;
   if (fastest_m_per_s == 0.0) fastest_m_per_s = kUnknownSpeed_m_per_s;
-  for (OdometryFrame& frame : odometry) {
-    if (frame.source != PoseSource::kPredicted) continue;
-    const double seconds =
-        std::abs(SecondsBetween(odometry[frame.reference].stamp_ns, frame.stamp_ns));
-    const double sigma_m = unmeasured.speed_change_share * fastest_m_per_s * seconds;
-    const double sigma_rad = unmeasured.turn_change_rad_per_s * seconds;
+  const double sigma_m_per_s = unmeasured.speed_change_share * fastest_m_per_s;
+  const double sigma_rad_per_s = unmeasured.turn_change_rad_per_s;
+  const std::vector<double> seconds = UnmeasuredSeconds(odometry);
+  for (std::size_t i = 0; i < odometry.size(); ++i) {
+    if (odometry[i].source != PoseSource::kPredicted) continue;
+    // What steps add to the square of the time, however many they are.
+    const double before_s = std::max(0.0, seconds[i] - SecondsOfStep(odometry, i));
+    const double squares_s2 = seconds[i] * seconds[i] - before_s * before_s;
     Vector6d variances;
-    variances << Eigen::Vector3d::Constant(sigma_m * sigma_m),
-        Eigen::Vector3d::Constant(sigma_rad * sigma_rad);
-    frame.step_covariance = variances.asDiagonal();
+    variances << Eigen::Vector3d::Constant(sigma_m_per_s * sigma_m_per_s * squares_s2),
+        Eigen::Vector3d::Constant(sigma_rad_per_s * sigma_rad_per_s * squares_s2);
+    odometry[i].step_covariance = variances.asDiagonal();
   }
 }
 

@@ -10,10 +10,11 @@ namespace rigmap {
 Rigid3 PredictPose(const Odometry& so_far, StampNs stamp_ns);
 
 // Gives every predicted frame the covariance of its step from its reference: speed and turn rate
-// may change so much (one standard deviation). What speed that is of, is judged by the fastest of
-// the whole part, since a rig that stands may start.
+// may be others by so much (one standard deviation), and stay so until something is measured again.
+// The sum over a gap grows with its duration, whatever the number of frames in it. What speed it is
+// a share of, is judged by the fastest of the whole part, since a rig that stands may start.
 struct UnmeasuredMotion {
-  double speed_change_share = 0.0;     // 1/s
+  double speed_change_share = 0.0;
   double turn_change_rad_per_s = 0.0;  // rad/s
 };
 void SetPredictionCovariances(Odometry& odometry, const UnmeasuredMotion& unmeasured);

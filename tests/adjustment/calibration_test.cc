@@ -188,6 +188,18 @@ TEST_F(CalibrationTest, WhatIsNotCorrectedCountsAsWell) {
   EXPECT_GT(doubted.infinity_offset_sigma_px, 10.0 * sure.infinity_offset_sigma_px);
 }
 
+// A path so short that nothing is corrected tells nothing of the rig.
+TEST_F(CalibrationTest, NearTheStartThePriorCounts) {
+  Make({.frames = 10, .step_m = 0.012, .points_per_m2 = 12.0, .seed = 82});
+  const AdjustmentOptions options;
+  const Adjustment adjusted = Adjust(AllOf(rover_.world_from_left), options);
+  EXPECT_FALSE(adjusted.calibration);
+  ASSERT_TRUE(adjusted.scale_sigma && adjusted.scale_sigma_of_noise);
+  const double of_rig =
+      std::sqrt(std::pow(*adjusted.scale_sigma, 2) - std::pow(*adjusted.scale_sigma_of_noise, 2));
+  EXPECT_GT(of_rig, 0.9 * PriorOf(rover_.rig, options).sigmas(kLogFocal));
+}
+
 TEST_F(CalibrationTest, StretchesAndRegionsAddUpToTheWhole) {
   TurnRight(kTurn_rad * Eigen::Vector3d::UnitX());
   const Adjustment adjusted =

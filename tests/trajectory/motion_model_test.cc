@@ -81,6 +81,26 @@ TEST(SetPredictionCovariances, AllowsSpeedAndTurnRateToChange) {
   EXPECT_EQ(odometry[3].step_covariance, Matrix6d::Zero());
 }
 
+// One change of speed lasts: ten times as many frames know no more.
+TEST(SetPredictionCovariances, GrowWithTheGapNotWithItsFrames) {
+  const auto variance_of_gap = [](int frames, StampNs step_ns) {
+    const double step_m = 0.5e-9 * static_cast<double>(step_ns);
+    Odometry odometry = Carried({}, {Eigen::Quaterniond::Identity(), {0.0, 0.0, step_m}}, frames);
+    for (int i = 0; i < frames; ++i) {
+      odometry[i].stamp_ns = i * step_ns;
+      if (i > 1) odometry[i].source = PoseSource::kPredicted;
+    }
+    SetPredictionCovariances(odometry, kUnmeasured);
+    Matrix6d sum = Matrix6d::Zero();
+    for (const OdometryFrame& frame : odometry) sum += frame.step_covariance;
+    return Vector6d(sum.diagonal());
+  };
+  const Vector6d slow = variance_of_gap(4, kSecond), fast = variance_of_gap(22, kSecond / 10);
+  EXPECT_LT((fast - slow).norm(), 1e-9 * slow.norm());
+  EXPECT_NEAR(std::sqrt(slow(0)), 2.0 * 0.5 * kUnmeasured.speed_change_share, 1e-9);
+  EXPECT_NEAR(std::sqrt(slow(5)), 2.0 * kUnmeasured.turn_change_rad_per_s, 1e-9);
+}
+
 TEST(SetPredictionCovariances, KnowsThatAStandingRigMayStart) {
   const Rigid3 motion{Eigen::Quaterniond::Identity(), {0.0, 0.0, 0.5}};
   Odometry odometry = Carried({}, Rigid3(), 3);
