@@ -50,11 +50,17 @@ BridgedOdometry BridgeGaps(const Dataset& dataset, Odometry odometry,
   BridgedOdometry result{std::move(odometry), {}};
   const std::vector<int> lost = Lost(result.odometry);
   if (lost.empty()) return result;
+  const std::vector<VisualStep> visual = VisualSteps(result.odometry);
   EstimatedMotion motion;
   try {
-    motion = EstimateMotion(dataset, VisualSteps(result.odometry), options, filter);
+    motion = EstimateMotion(dataset, visual, options, filter);
   } catch (const DataError& error) {
     spdlog::info("nothing bridges the frames that the odometry lost: {}", error.what());
+    return result;
+  }
+  if (2 * motion.slips.size() > visual.size()) {
+    spdlog::warn("wheels and images contradict each other in {} of {} steps: wheels bridge nothing",
+                 motion.slips.size(), visual.size());
     return result;
   }
   // In order, so that what hangs on a frame follows it.

@@ -81,6 +81,12 @@ TEST_F(BridgeGapsTest, FramesHeldFromBothSidesStay) {
   EXPECT_THAT(BridgeGaps(rover_.dataset, odometry, WithoutSlip(), {}).bridged, IsEmpty());
 }
 
+TEST_F(BridgeGapsTest, WheelsOfAnotherRoverBridgeNothing) {
+  DeadReckoningOptions twice = WithoutSlip();
+  twice.wheel_radius_m *= 2.0;
+  EXPECT_THAT(BridgeGaps(rover_.dataset, LostOnTheWay(rover_), twice, {}).bridged, IsEmpty());
+}
+
 TEST_F(BridgeGapsTest, WithoutSensorsItStaysLost) {
   rover_.dataset.wheels = {{}, "odometry.txt: not there"};
   const Odometry lost = LostOnTheWay(rover_);
