@@ -30,6 +30,11 @@ struct CellHash {
   }
 };
 
+bool IsSteepNormal(const Eigen::Vector3f& normal) {
+  constexpr float kSteep = 0.7071F;  // 45 degrees: beyond, more of it is seen from beside
+  return normal.z() < kSteep;
+}
+
 }  // namespace
 
 // In which cubes of each coarse layer finer points lie, by column of tiles, so that it can be
@@ -45,13 +50,14 @@ class LayeredGrid::Cover {
       if (!cells_[coarser][ColumnOf(cell.x, coarser)].insert(cell).second) return;
     }
   }
-  // In the cube that the point lies in, or beside it.
+  // In the cube that the point lies in, or above, below or, of what is steep, beside it.
   bool Holds(const SurfacePoint& point, int layer) const {
     const Cell middle = CellOf(point, layer);
-    for (std::int64_t x = middle.x - 1; x <= middle.x + 1; ++x) {
+    const std::int64_t beside = IsSteepNormal(point.normal) ? 1 : 0;
+    for (std::int64_t x = middle.x - beside; x <= middle.x + beside; ++x) {
       const auto column = cells_[layer].find(ColumnOf(x, layer));
       if (column == cells_[layer].end()) continue;
-      for (std::int64_t y = middle.y - 1; y <= middle.y + 1; ++y) {
+      for (std::int64_t y = middle.y - beside; y <= middle.y + beside; ++y) {
         for (std::int64_t z = middle.z - 1; z <= middle.z + 1; ++z) {
           if (column->second.contains({x, y, z})) return true;
         }
@@ -94,10 +100,7 @@ LayeredGrid::~LayeredGrid() {
   std::filesystem::remove_all(scratch_, ignored);
 }
 
-bool LayeredGrid::IsSteep(const SurfaceSample& sample) {
-  constexpr float kSteep = 0.7071F;  // 45 degrees: beyond, more of it is seen from beside
-  return sample.normal.z() < kSteep;
-}
+bool LayeredGrid::IsSteep(const SurfaceSample& sample) { return IsSteepNormal(sample.normal); }
 
 int LayeredGrid::LayerOf(const SurfaceSample& sample) const {
   const double cube_m = IsSteep(sample) ? steep_voxel_share_ * voxel_m_ : voxel_m_;

@@ -24,6 +24,12 @@ SurfaceSample Sample(double x_m, double y_m, double z_m, double sigma_m) {
   return sample;
 }
 
+SurfaceSample Steep(double x_m, double y_m, double z_m, double sigma_m) {
+  SurfaceSample sample = Sample(x_m, y_m, z_m, sigma_m);
+  sample.normal = Eigen::Vector3f::UnitX();
+  return sample;
+}
+
 class LayeredGridInScratch : public testing::Test {
  protected:
   PointCloud Drained(const std::vector<SurfaceSample>& samples,
@@ -74,13 +80,19 @@ TEST_F(LayeredGridInScratch, SaysTheGrainOfEachPoint) {
   EXPECT_FLOAT_EQ(cloud[1].grain_m, 0.08F);
 }
 
-TEST_F(LayeredGridInScratch, LeavesOutWhatIsKnownBetterBesideIt) {
+TEST_F(LayeredGridInScratch, LeavesOutWhatIsKnownBetter) {
   const SurfaceSample fine = Sample(0.005, 0.005, 0.005, 0.01);
   EXPECT_EQ(Drained({fine, Sample(0.03, 0.03, 0.03, 0.05)}).size(), 1U);   // in the same cube
-  EXPECT_EQ(Drained({fine, Sample(-0.03, 0.1, -0.07, 0.05)}).size(), 1U);  // in a cube beside
-  EXPECT_EQ(Drained({fine, Sample(0.03, 0.03, 0.17, 0.05)}).size(), 2U);   // two cubes away
+  EXPECT_EQ(Drained({fine, Sample(0.03, 0.03, -0.03, 0.05)}).size(), 1U);  // in the cube above
+  EXPECT_EQ(Drained({fine, Sample(0.03, 0.03, 0.17, 0.05)}).size(), 2U);   // two cubes below
   const SurfaceSample middling = Sample(0.005, 0.005, 0.005, 0.05);
   EXPECT_EQ(Drained({middling, Sample(0.1, 0.1, 0.1, 0.3)}).size(), 1U);
+}
+
+TEST_F(LayeredGridInScratch, LevelGroundGoesOnWhereTheFinerLayerEnds) {
+  const SurfaceSample fine = Sample(0.005, 0.005, 0.005, 0.01);
+  EXPECT_EQ(Drained({fine, Sample(-0.03, 0.1, -0.07, 0.05)}).size(), 2U);
+  EXPECT_EQ(Drained({fine, Steep(-0.03, 0.1, -0.07, 0.05)}).size(), 1U);
 }
 
 TEST_F(LayeredGridInScratch, LeavesItOutAcrossTheBordersOfTiles) {
@@ -88,9 +100,9 @@ TEST_F(LayeredGridInScratch, LeavesItOutAcrossTheBordersOfTiles) {
   for (const double border_m : {-kTileM, 0.0, 3.0 * kTileM}) {
     for (const double side : {-1.0, 1.0}) {
       const double fine_m = border_m + side * 0.005, coarse_m = border_m - side * 0.01;
-      EXPECT_EQ(Drained({Sample(fine_m, 0.5, 0.0, 0.01), Sample(coarse_m, 0.5, 0.0, 0.05)}).size(),
+      EXPECT_EQ(Drained({Sample(fine_m, 0.5, 0.0, 0.01), Steep(coarse_m, 0.5, 0.0, 0.05)}).size(),
                 1U);
-      EXPECT_EQ(Drained({Sample(0.5, fine_m, 0.0, 0.01), Sample(0.5, coarse_m, 0.0, 0.05)}).size(),
+      EXPECT_EQ(Drained({Sample(0.5, fine_m, 0.0, 0.01), Steep(0.5, coarse_m, 0.0, 0.05)}).size(),
                 1U);
     }
   }

@@ -19,7 +19,8 @@ namespace rigmap {
 // finest cubes along the ray, or off the surface to kFineOff of those that they would lie in, or if
 // a pixel covers kFinePixels of them. Far level ground is seen edge on and known well off its
 // surface; far faces are seen head on. Coarse points where finer ones are seen are left out: those
-// in a cube in or beside which a finer layer has a point. Not thread-safe.
+// in a cube in which a finer layer has a point, or above or below of which it has one, and of what
+// is steep also beside; level ground goes on where the finer layer ends. Not thread-safe.
 class LayeredGrid {
  public:
   static constexpr double kFineSigmas = 3.0;
