@@ -6,7 +6,6 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
-#include <string_view>
 
 namespace rigmap {
 namespace {
@@ -217,15 +216,27 @@ RigRefinement NextRefinement(RigRefinement refined, const CalibrationVector& now
       refined == RigRefinement::kNone ? RigRefinement::kAllButFocal : RigRefinement::kAll;
   const auto correction = MostProbable(next, now, equations, prior, options);
   if (!correction) return refined;
-  const auto confirm = [&](const std::vector<CalibrationBlock>& blocks, std::string_view what) {
-    const auto gain = GainOfRefining(refined, next, now, equations, blocks, prior, options);
+  const double least_gain = 0.5 * options.refine_sigmas * options.refine_sigmas;
+  const auto do_stretches_confirm = [&] {
+    const auto gain =
+        GainOfRefining(refined, next, now, equations, equations.stretches, prior, options);
     if (!gain) return false;
-    spdlog::info("rig refined by {} instead of {}: {} left out gain {:.1f}, {} of {} against",
-                 NameOf(next), NameOf(refined), what, gain->sum, gain->against, gain->blocks);
-    // One block in eight may show something else: a person, a car, glare.
-    constexpr int kBlocksPerDissenter = 8;
-    return gain->sum > 0.5 * options.refine_sigmas * options.refine_sigmas &&
-           gain->against <= gain->blocks / kBlocksPerDissenter;
+    spdlog::info(
+        "rig refined by {} instead of {}: stretches left out gain {:.1f}, {} of {} against",
+        NameOf(next), NameOf(refined), gain->sum, gain->against, gain->blocks);
+    // One stretch in eight may show something else: a person, a car, glare.
+    constexpr int kStretchesPerDissenter = 8;
+    return gain->sum > least_gain && gain->against <= gain->blocks / kStretchesPerDissenter;
+  };
+  const auto do_regions_confirm = [&] {
+    const auto gain =
+        GainOfRefining(refined, next, now, equations, equations.regions, prior, options);
+    if (!gain) return false;
+    const double asked = std::abs(correction->correction(kLogFocal) - now(kLogFocal));
+    const double sigma = std::sqrt(FocalVarianceOverRegions(now, equations, prior, options));
+    spdlog::info("a focal length other by {:.3f} %: regions left out gain {:.1f}, sigma {:.3f} %",
+                 100.0 * asked, gain->sum, 100.0 * sigma);
+    return gain->sum > least_gain && asked > options.refine_sigmas * sigma;
   };
   // Over long paths the least noise that all frames share becomes significant.
   constexpr double kMattersPriorSigmas = 0.05;  // 0.005 degrees, 0.025 %, 0.05 px
@@ -234,8 +245,7 @@ RigRefinement NextRefinement(RigRefinement refined, const CalibrationVector& now
        kMattersPriorSigmas)
           .any();
   const bool is_confirmed =
-      confirm(equations.stretches, "stretches") &&
-      (next == RigRefinement::kAllButFocal || confirm(equations.regions, "regions of the image"));
+      do_stretches_confirm() && (next == RigRefinement::kAllButFocal || do_regions_confirm());
   return matters && is_confirmed ? next : refined;
 }
 

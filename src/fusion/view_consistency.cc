@@ -117,7 +117,7 @@ std::optional<Consensus> Confirm(const Measurement& measured, const Views& views
     if (opinion.verdict == Verdict::kSeesThrough) ++consensus.seeing_through;
   }
   const bool confirmed =
-      consensus.agreeing >= options.min_views && 2 * consensus.seeing_through <= consensus.agreeing;
+      consensus.agreeing >= options.min_views && 2 * consensus.seeing_through < consensus.agreeing;
   return confirmed ? std::optional(consensus) : std::nullopt;
 }
 
