@@ -28,14 +28,17 @@ OptionFields AdjustmentOptions::Fields() {
        "refine_rig auto frees more of the rig: each of eight stretches is compared with a rig that "
        "was corrected from the others. No more than one of them may fit worse. For the focal "
        "length "
-       "regions of the image have to gain as much, and what is asked for to be so many times what "
-       "they disagree by (jackknife). The sigmas are those of residuals, inflated "
+       "regions of the image have to gain as much, both at least half of what it would explain, "
+       "and "
+       "what is asked for to be so many times what they disagree by (jackknife). The sigmas are "
+       "those of residuals, inflated "
        "by what residuals of whole tracks say and by shared_noise; "
        "chance exceeds three once in 700 times."},
       {"rig_prior_deg", &rig_prior_deg, "degrees", MoreThan(0.0),
        std::string("How far the rotation of a calibration may be off.") + kPrior},
       {"focal_prior_pct", &focal_prior_pct, "per cent", MoreThan(0.0),
-       "The same of focal lengths."},
+       "The same of focal lengths; further out than this it pulls ever less (Student's t with "
+       "three degrees of freedom)."},
       {"principal_point_prior_px", &principal_point_prior_px, "px", MoreThan(0.0),
        "The same of principal points."},
       {"distortion_prior_px", &distortion_prior_px, "px", MoreThan(0.0),

@@ -44,13 +44,26 @@ struct LinearSystem {
   CalibrationVector Solution() const { return matrix.ldlt().solve(right_side); }
 };
 
+// Focal lengths err with a heavy tail: files are of another camera's, or of another focus.
+// Student's t with three degrees of freedom about `now`: within a sigma as it is, far out it hardly
+// pulls.
+CalibrationMatrix HeavyTailed(const CalibrationPrior& prior, const CalibrationVector& now) {
+  constexpr double kFreedom = 3.0;
+  const double sigmas = now(kLogFocal) / prior.sigmas(kLogFocal);
+  const double times = std::max(1.0, (kFreedom + sigmas * sigmas) / (kFreedom + 1.0));
+  CalibrationMatrix information = prior.information;
+  information.row(kLogFocal) /= std::sqrt(times);
+  information.col(kLogFocal) /= std::sqrt(times);
+  return information;
+}
+
 // Of the correction, not of a step from `now`. Held parameters stay where they are.
 LinearSystem SystemOf(const CalibrationVector& freed, const CalibrationVector& now,
                       const CalibrationVector& score, const CalibrationMatrix& information,
                       double inflation, const CalibrationPrior& prior) {
   LinearSystem system{information / inflation, {}};
   system.right_side = system.matrix * now + score / inflation;
-  system.matrix += prior.information;
+  system.matrix += HeavyTailed(prior, now);
   for (int i = 0; i < kCalibrationSize; ++i) {
     if (freed(i) != 0.0) continue;
     system.right_side -= system.matrix.col(i) * now(i);
@@ -216,7 +229,14 @@ RigRefinement NextRefinement(RigRefinement refined, const CalibrationVector& now
       refined == RigRefinement::kNone ? RigRefinement::kAllButFocal : RigRefinement::kAll;
   const auto correction = MostProbable(next, now, equations, prior, options);
   if (!correction) return refined;
-  const double least_gain = 0.5 * options.refine_sigmas * options.refine_sigmas;
+  double least_gain = 0.5 * options.refine_sigmas * options.refine_sigmas;
+  const double asked = std::abs(correction->correction(kLogFocal) - now(kLogFocal));
+  if (next == RigRefinement::kAll) {
+    // Of what is left out the focal length must explain at least half of what it would if it were
+    // that one, and all else as modelled.
+    const double expected = 0.5 * asked * asked / correction->covariance(kLogFocal, kLogFocal);
+    least_gain = std::max(least_gain, 0.5 * expected);
+  }
   const auto do_stretches_confirm = [&] {
     const auto gain =
         GainOfRefining(refined, next, now, equations, equations.stretches, prior, options);
@@ -232,7 +252,6 @@ RigRefinement NextRefinement(RigRefinement refined, const CalibrationVector& now
     const auto gain =
         GainOfRefining(refined, next, now, equations, equations.regions, prior, options);
     if (!gain) return false;
-    const double asked = std::abs(correction->correction(kLogFocal) - now(kLogFocal));
     const double sigma = std::sqrt(FocalVarianceOverRegions(now, equations, prior, options));
     spdlog::info("a focal length other by {:.3f} %: regions left out gain {:.1f}, sigma {:.3f} %",
                  100.0 * asked, gain->sum, 100.0 * sigma);

@@ -275,6 +275,43 @@ TEST(NextRefinement, FreesTheFocalLengthLast) {
             RigRefinement::kRotation);
 }
 
+// One stretch of eight says the opposite, and louder than the others: where that costs half of what
+// the focal length would explain, it is not confirmed.
+TEST(NextRefinement, AsksForHalfOfWhatAFocalLengthWouldExplain) {
+  const AdjustmentOptions options;
+  const CalibrationPrior prior = PriorOf(LocCamRig(), options);
+  const CalibrationVector now = CalibrationVector::Zero();
+  const std::vector<double> one_against{-3.5, 0.5, 0.5, 0.5, 0.5, 0.5, 0.5, 0.5};
+  const auto next = [&](double off) {
+    return NextRefinement(RigRefinement::kAllButFocal, now,
+                          Stretches(kLogFocal, off, prior, one_against), prior, options);
+  };
+  EXPECT_EQ(next(1.0), RigRefinement::kAllButFocal);
+  EXPECT_EQ(next(2.0), RigRefinement::kAll);
+}
+
+TEST(MostProbable, FarOutThePriorHardlyPullsAtTheFocalLength) {
+  const AdjustmentOptions options{.shared_noise = 1.0};
+  const CalibrationPrior prior = PriorOf(LocCamRig(), options);
+  // In sigmas of the prior, by images that are about as sure as it and ask for six of them.
+  const auto found = [&](CalibrationParameter parameter) {
+    CalibrationEquations equations = Stretches(parameter, 6.0, prior, {0.0});
+    for (auto* matrix : {&equations.information, &equations.score_covariance}) *matrix /= 100.0;
+    equations.score /= 100.0;
+    const CalibrationVector start = CalibrationVector::Zero();
+    CalibrationVector now = start;
+    for (int i = 0; i < 20; ++i) {
+      CalibrationEquations at_now = equations;
+      at_now.score -= equations.information * now;
+      now = MostProbable(RigRefinement::kAll, now, at_now, prior, options)->correction;
+    }
+    return now(parameter) / prior.sigmas(parameter);
+  };
+  EXPECT_GT(found(kLogFocal), 5.2);
+  EXPECT_LT(found(kLogFocal), 6.0);
+  EXPECT_LT(found(kRightP1), 4.0);
+}
+
 TEST(NextRefinement, NeedsStretchesToLeaveOut) {
   const AdjustmentOptions options;
   const CalibrationPrior prior = PriorOf(LocCamRig(), options);
