@@ -25,6 +25,12 @@ double Steps(std::size_t from, std::size_t to) {
   return static_cast<double>(to) - static_cast<double>(from);
 }
 
+// Frames around one that shading is found from. Between others the ground was out of view, and how
+// often it crossed the image since, nobody counts.
+constexpr std::size_t kShadingReach = 15;
+
+bool IsAround(std::size_t a, std::size_t b) { return std::abs(Steps(a, b)) <= kShadingReach; }
+
 }  // namespace
 
 const FrameComparison& FrameAgreement::ComparisonOf(std::size_t frame) {
@@ -77,7 +83,8 @@ double FrameAgreement::BrightnessFor(std::size_t frame) {
     const auto before = log_brightness_.find(i);
     const auto ratio = log_ratios_.find({frame, i});
     if (before == log_brightness_.end() || ratio == log_ratios_.end()) continue;
-    corrected.Add(before->second + ratio->second - shading * Steps(i, frame));
+    const double shaded = IsAround(i, frame) ? shading * Steps(i, frame) : 0.0;
+    corrected.Add(before->second + ratio->second - shaded);
   }
   const double log_brightness = corrected.count > 0 ? kKept * corrected.Mean() : 0.0;
   log_brightness_[frame] = log_brightness;
@@ -85,16 +92,16 @@ double FrameAgreement::BrightnessFor(std::size_t frame) {
 }
 
 double FrameAgreement::LogShadingAround(std::size_t frame) {
-  constexpr std::size_t kReach = 15, kFewest = 16;  // frames; a step of the exposure shows in nine
-  const std::size_t first = frame > kReach ? frame - kReach : 0;
-  const std::size_t end = std::min(world_from_left_.size(), frame + kReach + 1);
+  constexpr std::size_t kFewest = 16;  // frames; a step of the exposure shows in nine
+  const std::size_t first = frame > kShadingReach ? frame - kShadingReach : 0;
+  const std::size_t end = std::min(world_from_left_.size(), frame + kShadingReach + 1);
   std::vector<double> shadings;
   for (std::size_t i = first; i < end; ++i) {
     ShareOf(i);
     RunningMean before, after, steps;
     for (const std::size_t k : ComparisonOf(i).near) {
       const auto ratio = log_ratios_.find({i, k});
-      if (ratio == log_ratios_.end()) continue;
+      if (ratio == log_ratios_.end() || !IsAround(i, k)) continue;
       (k < i ? before : after).Add(ratio->second);
       steps.Add(std::abs(Steps(k, i)));
     }

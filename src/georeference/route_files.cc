@@ -106,10 +106,14 @@ std::string RouteFeature(const Route& route, const std::vector<Geodetic>& positi
 
 std::string PoseFeature(const TimedPose& pose, const Geodetic& position, double angle_rad) {
   const Eigen::Vector3d sigma = SigmasAlong(pose, angle_rad);
-  return Feature("Point", fmt::format("[{}]", Coordinates(position)),
-                 fmt::format(R"("kind":"pose","stamp_ns":{},"source":"{}","sigma_east_m":{:.4g},)"
-                             R"("sigma_north_m":{:.4g},"sigma_up_m":{:.4g})",
-                             pose.stamp_ns, Name(pose.source), sigma.x(), sigma.y(), sigma.z()));
+  std::string properties =
+      fmt::format(R"("kind":"pose","stamp_ns":{},"source":"{}")", pose.stamp_ns, Name(pose.source));
+  if (sigma.allFinite()) {  // JSON has no number for what is unknown
+    properties +=
+        fmt::format(R"(,"sigma_east_m":{:.4g},"sigma_north_m":{:.4g},"sigma_up_m":{:.4g})",
+                    sigma.x(), sigma.y(), sigma.z());
+  }
+  return Feature("Point", fmt::format("[{}]", Coordinates(position)), properties);
 }
 
 std::string RockFeature(const RouteLandmark& rock, const EarthMap& earth) {

@@ -105,8 +105,8 @@ Rectifier::Rectifier(const StereoRig& rig) {
 
   const Camera& left = rig.left.camera;
   const double focal = std::max(left.fx, left.fy);
-  CutTo(kMaxGrowth * left.width / focal, bounds.low.x(), bounds.high.x());
-  CutTo(kMaxGrowth * left.height / focal, bounds.low.y(), bounds.high.y());
+  CutTo(kMaxGrowth * left.width / left.fx, bounds.low.x(), bounds.high.x());
+  CutTo(kMaxGrowth * left.height / left.fy, bounds.low.y(), bounds.high.y());
   camera_.fx = camera_.fy = focal;
   std::tie(camera_.cx, camera_.width) =
       PrincipalAndLength(left.cx, focal * bounds.low.x(), focal * bounds.high.x());

@@ -1,6 +1,7 @@
 #include "scale/metric_models.h"
 
 #include <algorithm>
+#include <limits>
 #include <map>
 
 #include "core/statistics.h"
@@ -38,11 +39,15 @@ std::vector<PointObservation> ObservationsOf(
 }
 
 // The distances of neighbouring frames rest on the same points, so that their mean is hardly known
-// better than one of them.
+// better than one of them. One or two do not tell how far they spread.
 std::optional<double> ScaleSigma(const AlignedKeyframes& aligned) {
   std::optional<double> worst;
+  constexpr std::size_t kFewest = 3;
   for (const AlignedModel& model : aligned.models) {
-    worst = std::max(worst.value_or(0.0), model.scale.relative_spread);
+    const std::size_t pairs = model.scale.pairs_used.size() + model.scale.pairs_rejected.size();
+    const double spread =
+        pairs < kFewest ? std::numeric_limits<double>::infinity() : model.scale.relative_spread;
+    worst = std::max(worst.value_or(0.0), spread);
   }
   return worst;
 }

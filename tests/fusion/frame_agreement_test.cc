@@ -125,5 +125,28 @@ TEST_F(FrameAgreementTest, WhatLensesShadeIsNoExposure) {
   }
 }
 
+TEST_F(FrameAgreementTest, GroundSeenAgainHundredsOfFramesLaterKeepsItsColour) {
+  Make(30);
+  // Back where frames 12 to 15 were, after a way that the ground was out of view.
+  constexpr int kAgain = 4, kElsewhere = 60;
+  for (int i = 0; i < kElsewhere; ++i) {
+    world_from_left_.push_back(WorldFromLeft(1000.0 + 100.0 * i));
+    maps_.push_back(maps_.front());
+  }
+  for (int i = 0; i < kAgain; ++i) {
+    world_from_left_.push_back(world_from_left_[12 + i]);
+    maps_.push_back(maps_[12 + i]);
+  }
+  for (DepthMap& map : maps_) {
+    for (int row = 0; row < map.colour.rows; ++row) {
+      map.colour.row(row).setTo(cv::Scalar::all(200.0 - 0.5 * row));
+    }
+  }
+  FrameAgreement agreement = Compare();
+  double brightness = 0.0;
+  for (std::size_t i = 0; i < maps_.size(); ++i) brightness = agreement.BrightnessFor(i);
+  EXPECT_NEAR(brightness, 1.0, 0.2);
+}
+
 }  // namespace
 }  // namespace rigmap

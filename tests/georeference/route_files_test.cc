@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
@@ -49,6 +50,15 @@ TEST(RouteFiles, GeoJsonHoldsRoutePosesAndRocksInLongitudeLatitudeHeight) {
   EXPECT_NEAR(pose["properties"]["sigma_east_m"], 0.01, 1e-6);
   EXPECT_NEAR(pose["properties"]["sigma_north_m"], 0.02, 1e-6);
   EXPECT_NEAR(pose["properties"]["sigma_up_m"], 0.03, 1e-6);
+}
+
+TEST(RouteFiles, GeoJsonLeavesOutSigmasThatNobodyKnows) {
+  Trajectory trajectory = EastwardPoses(2);
+  trajectory[1].position_covariance.setConstant(std::numeric_limits<double>::quiet_NaN());
+  const json file =
+      json::parse(WriteRouteGeoJson({trajectory, EarthMap(FrameAt(52.21, 4.40)), {}}));
+  EXPECT_TRUE(file["features"][1]["properties"].contains("sigma_up_m"));
+  EXPECT_FALSE(file["features"][2]["properties"].contains("sigma_up_m"));
 }
 
 // RFC 7946, 3.1.6: closed, the outer ring counterclockwise.
