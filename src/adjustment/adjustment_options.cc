@@ -27,13 +27,10 @@ OptionFields AdjustmentOptions::Fields() {
        "How much better stretches of the part that were left out must fit, in sigmas, before "
        "refine_rig auto frees more of the rig: each of eight stretches is compared with a rig that "
        "was corrected from the others. No more than one of them may fit worse. For the focal "
-       "length "
-       "regions of the image have to gain as much, both at least half of what it would explain, "
-       "and "
-       "what is asked for to be so many times what they disagree by (jackknife). The sigmas are "
-       "those of residuals, inflated "
-       "by what residuals of whole tracks say and by shared_noise; "
-       "chance exceeds three once in 700 times."},
+       "length regions of the image have to gain as much, both at least half of what it would "
+       "explain, and what is asked for to be so many times what they disagree by (jackknife). The "
+       "sigmas are those of residuals, inflated by what residuals of whole tracks say and by "
+       "shared_noise; chance exceeds three once in 700 times."},
       {"rig_prior_deg", &rig_prior_deg, "degrees", MoreThan(0.0),
        std::string("How far the rotation of a calibration may be off.") + kPrior},
       {"focal_prior_pct", &focal_prior_pct, "per cent", MoreThan(0.0),
