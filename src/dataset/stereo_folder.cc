@@ -79,6 +79,36 @@ void RemarkOnNames(const std::vector<StereoFrame>& frames, DatasetHealth& health
                   count, frames.size(), first->left_path, first->right_path));
 }
 
+// The last number in a name, and what stands around it.
+struct NumberedName {
+  std::string before, digits, behind;
+};
+
+NumberedName NumberIn(const fs::path& path) {
+  const std::string stem = path.stem().string();
+  constexpr const char* kDigits = "0123456789";
+  const std::size_t last = stem.find_last_of(kDigits);
+  if (last == std::string::npos) return {stem, "", ""};
+  const std::size_t before = stem.find_last_not_of(kDigits, last);
+  const std::size_t first = before == std::string::npos ? 0 : before + 1;
+  return {stem.substr(0, first), stem.substr(first, last + 1 - first), stem.substr(last + 1)};
+}
+
+// Times are laid on images in the order of their names: 10 before 2 would mix them up.
+void RequireOrderOfNumbers(const std::vector<fs::path>& images) {
+  for (std::size_t i = 1; i < images.size(); ++i) {
+    const NumberedName earlier = NumberIn(images[i - 1]), later = NumberIn(images[i]);
+    if (earlier.before != later.before || earlier.behind != later.behind) continue;
+    // Of numbers without leading zeros the one with fewer digits is smaller.
+    if (later.digits.empty() || later.digits.size() >= earlier.digits.size()) continue;
+    if (later.digits.front() == '0') continue;
+    throw DataError(fmt::format(
+        "{}: expected names that come in the order of their numbers when they are sorted as text, "
+        "found it behind {}; pad the numbers with zeros",
+        images[i].string(), images[i - 1].filename().string()));
+  }
+}
+
 // "; FILE has no partner of its name", if missing partners alone make the numbers differ.
 std::string FirstAlone(const std::vector<fs::path>& left, const std::vector<fs::path>& right) {
   const auto& more = left.size() > right.size() ? left : right;
@@ -109,6 +139,8 @@ Dataset ReadStereoFolder(const fs::path& folder) {
                     "found {} and {}{}",
                     folder.string(), left.size(), right.size(), FirstAlone(left, right)));
   }
+  RequireOrderOfNumbers(left);
+  RequireOrderOfNumbers(right);
   const fs::path times_path = folder / "times.txt";
   const auto times = ReadTimes(times_path);
   if (times.size() != left.size()) {

@@ -25,6 +25,10 @@ int RoundUpToSixteen(double disparity_px) {
 // are widened to the left by the range. Result: CV_16S, 1/16 px, not positive where unknown.
 cv::Mat MatchBlocks(const cv::Mat& left, const cv::Mat& right, int disparities,
                     const DenseOptions& options) {
+  // OpenCV refuses images that are no larger than a block.
+  if (std::min(left.rows, left.cols + disparities) <= options.block_px) {
+    return cv::Mat(left.size(), CV_16SC1, cv::Scalar(0));
+  }
   cv::Mat wide_left, wide_right, wide;
   cv::copyMakeBorder(left, wide_left, 0, 0, disparities, 0, cv::BORDER_REPLICATE);
   cv::copyMakeBorder(right, wide_right, 0, 0, disparities, 0, cv::BORDER_REPLICATE);

@@ -24,7 +24,8 @@ OptionFields OdometryOptions::Fields() {
        "A new keyframe is made when the median stereo point has moved by more than this share of "
        "the image width."},
       {"stand_still_sigmas", &stand_still_sigmas, "sigmas", MoreThan(0.0),
-       "A motion below so many of its own sigmas is taken for none: the rig stands."},
+       "A motion below so many of its own sigmas, root mean square over its six coordinates, is "
+       "taken for none: the rig stands."},
       {"search_radius_px", &search_radius_px, "px", MoreThan(0.0),
        "Half width of the first search, around the predicted position. Without success the whole "
        "image is searched."},

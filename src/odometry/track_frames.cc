@@ -89,10 +89,15 @@ std::optional<Found> FindMotion(const Reference& reference, const FrameFeatures&
   return found;
 }
 
-bool StandsStill(const Found& found, const OdometryOptions& options) {
+Vector6d MotionOf(const Found& found) {
   Vector6d motion;
   motion << found.current_from_reference.translation,
       LogRotation(found.current_from_reference.rotation);
+  return motion;
+}
+
+bool StandsStill(const Found& found, const OdometryOptions& options) {
+  const Vector6d motion = MotionOf(found);
   const double squared_sigmas = motion.dot(found.covariance.ldlt().solve(motion)) / 6.0;
   return squared_sigmas < options.stand_still_sigmas * options.stand_still_sigmas;
 }
@@ -116,6 +121,8 @@ void SetPose(const Found& found, int reference, const Rigid3& world_from_referen
   frame.inliers = found.inliers;
   frame.step_covariance = options.shared_noise * options.shared_noise * found.covariance;
   frame.stands_still = StandsStill(found, options);
+  // It may creep: what is taken for none counts.
+  if (frame.stands_still) frame.step_covariance += MotionOf(found) * MotionOf(found).transpose();
   const Rigid3 motion = frame.stands_still ? Rigid3() : found.current_from_reference;
   frame.world_from_left = world_from_reference * motion.Inverse();
 }

@@ -127,6 +127,17 @@ TEST_F(StereoFolderTest, PairsOfDifferentNumbersAreRemarkedOn) {
   EXPECT_THAT(Read().health.remarks, testing::ElementsAre(HasSubstr("1 of 3 pairs")));
 }
 
+TEST_F(StereoFolderTest, NumbersWithoutZerosBeforeThemAreRefused) {
+  for (const char* eye : {"left", "right"}) {
+    for (const char* name : {"000.png", "001.png", "002.png"}) {
+      std::filesystem::remove(folder_.Path() / eye / name);
+    }
+    for (const char* name : {"9.png", "10.png", "11.png"}) WriteImage(folder_.Path() / eye / name);
+  }
+  EXPECT_THAT(Complaint(), AllOf(HasSubstr("left/9.png: expected names"),
+                                 HasSubstr("found it behind 11.png; pad the numbers")));
+}
+
 TEST_F(StereoFolderTest, NamesMayDifferInLetters) {
   for (const char* name : {"000.png", "001.png", "002.png"}) {
     std::filesystem::rename(folder_.Path() / "right" / name,

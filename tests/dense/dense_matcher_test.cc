@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/error.h"
+#include "dense/internal/disparity.h"
 #include "tests/support/seeded_random.h"
 #include "tests/support/simulated_shot.h"
 #include "tests/support/synthetic_rover.h"
@@ -85,6 +86,18 @@ TEST_P(DenseMatcherOnSand, FindsTheSand) {
   EXPECT_NEAR(errors[errors.size() / 2], 0.0, 0.05) << "median, px";
   EXPECT_GT(errors[errors.size() / 20], -0.5) << "5 %, px";
   EXPECT_LT(errors[errors.size() * 19 / 20], 0.5) << "95 %, px";
+}
+
+TEST(MatchDisparity, FindsNothingInAStripThatIsThinnerThanABlock) {
+  DenseOptions options;
+  options.method = DenseMethod::kBm;
+  options.block_px = 15;
+  const cv::Mat grey(200, 300, CV_8UC1, cv::Scalar(90));
+  cv::Mat mask(grey.size(), CV_8UC1, cv::Scalar(0));
+  mask.rowRange(100, 110).setTo(255);
+  const cv::Mat disparity = MatchDisparity({grey, grey, mask, mask}, 64.0, options);
+  EXPECT_EQ(disparity.size(), grey.size());
+  EXPECT_EQ(cv::countNonZero(disparity), 0);
 }
 
 TEST_P(DenseMatcherOnSand, HasNoBiasAgainstSparsePoints) {

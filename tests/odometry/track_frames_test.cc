@@ -142,6 +142,21 @@ TEST(TrackFrames, StandingStillInventsNoMotion) {
   }
 }
 
+TEST(TrackFrames, AMotionTakenForNoneIsInItsSigma) {
+  double creep_m = 0.0, squared_sigmas = 0.0;
+  for (double step_m = 0.0005; step_m < 0.02; step_m *= 1.2) {
+    const Odometry odometry =
+        Track(Rover({RoverPose(1.0, 2.0, 0.0), RoverPose(1.0 + step_m, 2.0, 0.0)}));
+    if (!odometry[1].stands_still) break;
+    creep_m = step_m;
+    const Eigen::Vector3d ahead = -step_m * Eigen::Vector3d::UnitZ();  // level enough for this
+    squared_sigmas = ahead.dot(
+        Eigen::Matrix3d(odometry[1].step_covariance.topLeftCorner<3, 3>()).ldlt().solve(ahead));
+  }
+  EXPECT_GT(creep_m, 0.0005);
+  EXPECT_LT(squared_sigmas, 6.0);
+}
+
 TEST(TrackFrames, FollowsARotationOnTheSpot) {
   std::vector<Rigid3> path;
   for (int i = 0; i < 20; ++i) path.push_back(RoverPose(0.0, 0.0, 0.12 * i));
