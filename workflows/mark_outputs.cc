@@ -2,23 +2,45 @@
 
 #include <algorithm>
 #include <array>
+#include <string>
 #include <string_view>
+#include <vector>
 
 #include "export/header_note.h"
 #include "workflows/part_summary.h"
 
 namespace rigmap {
 
-void MarkOutputs(const std::filesystem::path& root, const Ledger& ledger) {
+namespace {
+
+namespace fs = std::filesystem;
+
+// The file, or those of the folder.
+std::vector<fs::path> FilesOf(const fs::path& published) {
+  std::vector<fs::path> files;
+  if (!fs::is_directory(published)) {
+    if (fs::exists(published)) files.push_back(published);
+    return files;
+  }
+  for (const auto& entry : fs::recursive_directory_iterator(published)) {
+    if (entry.is_regular_file() && !entry.is_symlink()) files.push_back(entry.path());
+  }
+  return files;
+}
+
+}  // namespace
+
+void MarkOutputs(const fs::path& root, const Ledger& ledger) {
   constexpr std::array<std::string_view, 3> kWithComments{".tum", ".ply", ".yaml"};
   const PartResult result = Judge(ledger);
   if (result.status == PartStatus::kPartial) return;
   const std::string warning = WarningOf(result.refusal);
   for (const StageRecord& record : ledger.stages) {
     for (const std::string& name : record.published) {
-      const std::filesystem::path path = root / name;
-      if (std::ranges::find(kWithComments, path.extension()) == kWithComments.end()) continue;
-      if (std::filesystem::exists(path)) SetHeaderNote(path, warning);
+      for (const fs::path& path : FilesOf(root / name)) {
+        const std::string extension = path.extension();
+        if (std::ranges::count(kWithComments, extension)) SetHeaderNote(path, warning);
+      }
     }
   }
 }

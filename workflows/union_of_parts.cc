@@ -7,6 +7,7 @@
 
 #include "core/error.h"
 #include "core/file.h"
+#include "dataset/rover_sensor_files.h"
 #include "export/tum.h"
 
 namespace rigmap {
@@ -186,6 +187,7 @@ class Uniter {
     }
     InOrder(d.inclinometer);
     InOrder(d.wheels.samples);
+    UnwrapDriveAngles(d.wheels.samples);
     InOrder(d.inertial.samples);
     InOrder(d.fixes);
   }

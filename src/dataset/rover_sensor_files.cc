@@ -127,19 +127,6 @@ Turned TurnedBetween(const WheelSample& a, const WheelSample& b, std::size_t dri
   return turned;
 }
 
-// Angles without the jumps of a counter that starts anew with each turn.
-void Unwrap(std::vector<WheelSample>& samples) {
-  for (std::size_t drive = 0; drive < 6; ++drive) {
-    double angle_rad = samples.front().drive_angle_rad[drive];
-    WheelSample before = samples.front();
-    for (std::size_t i = 1; i < samples.size(); ++i) {
-      angle_rad += TurnedBetween(before, samples[i], drive).by_angle_rad;
-      before = samples[i];
-      samples[i].drive_angle_rad[drive] = angle_rad;
-    }
-  }
-}
-
 std::string WheelProblem(const fs::path& path, const std::vector<WheelSample>& samples) {
   // Rates are noisy and sampled: what is turned by them may be off by a fifth, and a little.
   constexpr double kMaxShare = 0.2, kMaxOff_rad = 0.5;
@@ -187,6 +174,19 @@ std::string InertialProblem(const fs::path& path, const std::vector<InertialSamp
 
 }  // namespace
 
+void UnwrapDriveAngles(std::vector<WheelSample>& samples) {
+  if (samples.empty()) return;
+  for (std::size_t drive = 0; drive < samples.front().drive_angle_rad.size(); ++drive) {
+    double angle_rad = samples.front().drive_angle_rad[drive];
+    WheelSample before = samples.front();
+    for (std::size_t i = 1; i < samples.size(); ++i) {
+      angle_rad += TurnedBetween(before, samples[i], drive).by_angle_rad;
+      before = samples[i];
+      samples[i].drive_angle_rad[drive] = angle_rad;
+    }
+  }
+}
+
 RoverSensorReading ReadRoverSensors(const fs::path& part_folder,
                                     std::span<const StereoFrame> frames) {
   const StampNs begin_ns = frames.front().stamp_ns - kBeforeNs;
@@ -198,7 +198,7 @@ RoverSensorReading ReadRoverSensors(const fs::path& part_folder,
       imu_path, begin_ns, end_ns, "a stamp and 9 numbers of the inertial unit", ParseInertial);
   if (wheels.record.problem.empty()) {
     wheels.record.problem = WheelProblem(wheel_path, wheels.record.samples);
-    Unwrap(wheels.record.samples);
+    UnwrapDriveAngles(wheels.record.samples);
   }
   if (inertial.record.problem.empty()) {
     inertial.record.problem = InertialProblem(imu_path, inertial.record.samples);

@@ -31,4 +31,9 @@ struct RoverSensorReading {
 RoverSensorReading ReadRoverSensors(const std::filesystem::path& part_folder,
                                     std::span<const StereoFrame> frames);
 
+// Takes out of the drives' angles what jumps by full turns against the rates: a counter that starts
+// anew with each turn, and where records begin that were unwrapped apart. `samples`: increasing
+// stamps.
+void UnwrapDriveAngles(std::vector<WheelSample>& samples);
+
 }  // namespace rigmap

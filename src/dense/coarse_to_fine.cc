@@ -61,7 +61,7 @@ struct Search {
     }
     const cv::Mat at_half =
         Match(Halved(left), Halved(right), range_px / 2.0, OptionsAtHalf(options));
-    return WindowsAround(at_half, left.size());
+    return WindowsAround(at_half, left.size()).value_or(WholeRange(left.size(), range));
   }
 };
 

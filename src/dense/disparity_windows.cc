@@ -110,10 +110,10 @@ TileWindows WholeRange(cv::Size size, int range_px) {
   return {size, {.first = 0, .count = InGrains(range_px + 1)}};
 }
 
-TileWindows WindowsAround(const cv::Mat& half_disparity, cv::Size size) {
+std::optional<TileWindows> WindowsAround(const cv::Mat& half_disparity, cv::Size size) {
   TileWindows windows(size, DisparityWindow());
   FoundRanges ranges = RangesOfTiles(half_disparity, windows).Grown(false);
-  if (ranges.AllEmpty()) return windows;
+  if (ranges.AllEmpty()) return std::nullopt;
   while (ranges.HasEmpty()) ranges = ranges.Grown(true);
   for (int row = 0; row < windows.rows; ++row) {
     for (int column = 0; column < windows.columns; ++column) {

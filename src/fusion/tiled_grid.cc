@@ -31,12 +31,17 @@ std::filesystem::path TiledGrid::FileOf(const TileIndex& tile_index) const {
   return scratch_ / fmt::format("{}_{}", tile_index.first, tile_index.second);
 }
 
+VoxelGrid TiledGrid::EmptyGrid(const TileIndex& tile_index) const {
+  return VoxelGrid(voxel_m_, tile_m_ * Eigen::Vector2d(static_cast<double>(tile_index.first),
+                                                       static_cast<double>(tile_index.second)));
+}
+
 VoxelGrid& TiledGrid::GridAt(const TileIndex& tile_index) {
   if (last_grid_ && tile_index == last_tile_index_) return *last_grid_;
   const auto [entry, is_new] = tiles_.try_emplace(tile_index);
   Tile& tile = entry->second;
   if (!tile.grid) {
-    tile.grid.emplace(voxel_m_);
+    tile.grid = EmptyGrid(tile_index);
     if (!is_new) tile.grid->Load(FileOf(tile_index));
   }
   tile.last_use = ++time_;
@@ -81,7 +86,7 @@ PointCloud TiledGrid::Take(const TileIndex& tile_index, int min_observations, do
   last_grid_ = nullptr;
   Tile& tile = entry->second;
   if (!tile.grid) {
-    tile.grid.emplace(voxel_m_);
+    tile.grid = EmptyGrid(tile_index);
     tile.grid->Load(FileOf(tile_index));
   }
   PointCloud points = tile.grid->Points(min_observations, max_sigma_m);

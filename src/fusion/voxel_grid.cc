@@ -15,24 +15,26 @@
 namespace rigmap {
 namespace {
 
+constexpr double kReach_m = 100'000.0;  // where a float is good to 8 mm
 constexpr int kAxisBits = 21;
 constexpr std::int64_t kHalf = std::int64_t{1} << (kAxisBits - 1);
 constexpr std::uint64_t kAxisMask = (std::uint64_t{1} << kAxisBits) - 1;
 
-std::uint64_t KeyOf(const Eigen::Vector3d& x_in_voxels) {
+// `cube`: counted from the grid's corner.
+std::uint64_t KeyOf(const Eigen::Vector3d& cube) {
   std::uint64_t key = 0;
-  for (const double value : {x_in_voxels.x(), x_in_voxels.y(), x_in_voxels.z()}) {
+  for (const double value : cube) {
     if (!(std::abs(value) < static_cast<double>(kHalf - 1))) {
-      throw DataError(fmt::format(
-          "fusion: expected points within {} voxels of the origin, found {}", kHalf, value));
+      throw DataError(
+          fmt::format("fusion: expected points within {} voxels of their tile, found one {:g} off",
+                      kHalf, value));
     }
-    const auto cell = static_cast<std::int64_t>(std::floor(value)) + kHalf;
-    key = (key << kAxisBits) | static_cast<std::uint64_t>(cell);
+    key = (key << kAxisBits) | static_cast<std::uint64_t>(static_cast<std::int64_t>(value) + kHalf);
   }
   return key;
 }
 
-Eigen::Vector3d CornerOf(std::uint64_t key) {
+Eigen::Vector3d CubeOf(std::uint64_t key) {
   const auto axis = [key](int shift) {
     return static_cast<double>(static_cast<std::int64_t>((key >> shift) & kAxisMask) - kHalf);
   };
@@ -52,11 +54,20 @@ std::size_t HashOf(std::uint64_t key) {
 
 }  // namespace
 
+VoxelGrid::VoxelGrid(double voxel_m, const Eigen::Vector2d& corner_in_world)
+    : voxel_m_(voxel_m), slots_(kFirstSlots, kEmpty) {
+  corner_ << (corner_in_world / voxel_m).array().floor(), 0.0;
+}
+
 void VoxelGrid::Add(const SurfaceSample& sample) {
+  if (!(sample.x_in_world.cwiseAbs().maxCoeff() <= kReach_m)) {
+    throw DataError(fmt::format("fusion: expected points within {} m of the origin, found {:g} m",
+                                kReach_m, sample.x_in_world.cwiseAbs().maxCoeff()));
+  }
   const Eigen::Vector3d x_in_voxels = sample.x_in_world / voxel_m_;
-  Voxel& voxel = At(KeyOf(x_in_voxels));
+  Voxel& voxel = At(KeyOf(x_in_voxels.array().floor().matrix() - corner_));
   const float weight = 1.0F / (sample.sigma_m * sample.sigma_m);
-  AddTo(voxel.offset, weight * (x_in_voxels - CornerOf(voxel.key)).cast<float>());
+  AddTo(voxel.offset, weight * (x_in_voxels - (corner_ + CubeOf(voxel.key))).cast<float>());
   AddTo(voxel.normal, weight * sample.normal);
   AddTo(voxel.rgb, weight * Eigen::Vector3f(sample.rgb[0], sample.rgb[1], sample.rgb[2]));
   voxel.weight += weight;
@@ -90,7 +101,7 @@ SurfacePoint VoxelGrid::PointOf(const Voxel& voxel) const {
   SurfacePoint point;
   const Eigen::Map<const Eigen::Vector3f> sum(voxel.offset.data()), normal(voxel.normal.data());
   const Eigen::Vector3d offset = (sum / voxel.weight).cast<double>();
-  point.x_in_world = (voxel_m_ * (CornerOf(voxel.key) + offset)).cast<float>();
+  point.x_in_world = (voxel_m_ * (corner_ + CubeOf(voxel.key) + offset)).cast<float>();
   const float length = normal.norm();
   if (length > 0.0F) point.normal = normal / length;
   for (int i = 0; i < 3; ++i) {

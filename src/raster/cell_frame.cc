@@ -1,6 +1,7 @@
 #include "raster/cell_frame.h"
 
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -13,7 +14,7 @@
 namespace rigmap {
 namespace {
 
-constexpr double kMaxCells = 1e11;
+constexpr double kMaxCells = 2e9;      // empty ones take time as well: a minute and a half per 1e9
 constexpr double kMaxSideCells = 1e9;  // so that cells can be counted in an int
 
 void ForEachFinite(const std::filesystem::path& ply,
@@ -56,7 +57,6 @@ void ForEachShown(const GriddedCloud& cloud, const std::function<void(const Surf
 
 CellFrame FrameOf(const GriddedCloud& cloud, const std::optional<GridFrame>& grid) {
   const std::filesystem::path& ply = cloud.ply;
-  const double cell_m = cloud.cell_m;
   Eigen::AlignedBox2d bounds;
   ForEachShown(cloud, [&](const SurfacePoint& point) {
     const Eigen::Vector2d x_in_world = point.x_in_world.head<2>().cast<double>();
@@ -65,17 +65,20 @@ CellFrame FrameOf(const GriddedCloud& cloud, const std::optional<GridFrame>& gri
   if (bounds.isEmpty()) {
     throw DataError(fmt::format("{}: expected points, found none", ply.string()));
   }
-  const Eigen::Array2d low = (bounds.min().array() / cell_m).floor();
-  const Eigen::Array2d high = (bounds.max().array() / cell_m).floor();
-  const Eigen::Array2d cells = high - low + 1.0;
-  const double farthest = std::max(low.abs().maxCoeff(), high.abs().maxCoeff());
-  if (cells.prod() > kMaxCells || cells.maxCoeff() > kMaxSideCells || farthest > 1e15) {
-    throw DataError(fmt::format(
-        "{}: expected a cloud of at most {:g} cells of {} m, found one of {:g} m x {:g} m",
-        ply.string(), kMaxCells, cell_m, bounds.sizes().x(), bounds.sizes().y()));
+  for (double cell_m = cloud.cell_m;; cell_m *= 2.0) {
+    const Eigen::Array2d low = (bounds.min().array() / cell_m).floor();
+    const Eigen::Array2d high = (bounds.max().array() / cell_m).floor();
+    const Eigen::Array2d cells = high - low + 1.0;
+    const double farthest = std::max(low.abs().maxCoeff(), high.abs().maxCoeff());
+    if (cells.prod() > kMaxCells || cells.maxCoeff() > kMaxSideCells || farthest > 1e15) continue;
+    if (cell_m > cloud.cell_m) {
+      spdlog::warn("{}: {:g} m x {:g} m: more than {:g} cells of {} m, {:g} m are taken",
+                   ply.string(), bounds.sizes().x(), bounds.sizes().y(), kMaxCells, cloud.cell_m,
+                   cell_m);
+    }
+    return {cell_m, static_cast<std::int64_t>(low.x()), static_cast<std::int64_t>(high.y()),
+            static_cast<int>(cells.x()), static_cast<int>(cells.y())};
   }
-  return {cell_m, static_cast<std::int64_t>(low.x()), static_cast<std::int64_t>(high.y()),
-          static_cast<int>(cells.x()), static_cast<int>(cells.y())};
 }
 
 }  // namespace rigmap

@@ -51,9 +51,8 @@ inline constexpr double kMostCells = 8.0;
 void ForEachShown(const GriddedCloud& cloud, const std::function<void(const SurfacePoint&)>& take);
 
 // The smallest frame that holds all points of a cloud that are shown, in the world or on `grid`.
-// Throws DataError naming the
-// file for a cloud that cannot be read or has no such point, and for one whose map would have more
-// than 1e11 cells.
+// Of a cloud whose map would have more than 2e9 cells, they are larger by a power of two, which is
+// logged. Throws DataError naming the file for a cloud that cannot be read or has no such point.
 CellFrame FrameOf(const GriddedCloud& cloud, const std::optional<GridFrame>& grid = {});
 
 }  // namespace rigmap

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
-#include <numeric>
 
 namespace rigmap {
 namespace {
@@ -21,24 +20,24 @@ float AngleTo(const Eigen::Vector3d& x_in_world, const Eigen::Vector3d& camera_i
 
 }  // namespace
 
-std::vector<std::size_t> NearestViews::NearTo(const Eigen::Vector2d& x_in_world) const {
-  std::vector<std::size_t> order(trajectory_.size());
-  std::iota(order.begin(), order.end(), 0);
-  const auto distance_m = [&](std::size_t i) {
-    return (trajectory_[i].world_from_left.translation.head<2>() - x_in_world).norm();
-  };
-  std::ranges::stable_sort(order, {}, distance_m);
-  constexpr std::size_t kMostViews = 400;  // a hundred metres of path, at the least
-  if (order.size() > kMostViews) order.resize(kMostViews);
-  return order;
+NearestViews::Around NearestViews::NearTo(const Eigen::Vector2d& x_in_world) const {
+  std::vector<Around::View> views;
+  for (std::size_t i = 0; i < trajectory_.size(); ++i) {
+    const Eigen::Vector3d& camera_in_world = trajectory_[i].world_from_left.translation;
+    views.push_back({i, (camera_in_world.head<2>() - x_in_world).norm()});
+  }
+  std::ranges::stable_sort(views, {}, &Around::View::distance_m);
+  return {x_in_world, std::move(views)};
 }
 
 std::optional<Eigen::Vector3d> NearestViews::Find(const Eigen::Vector3d& x_in_world,
-                                                  const std::vector<std::size_t>& nearby) const {
+                                                  const Around& around) const {
   std::optional<Eigen::Vector3d> nearest;
   double least_m = std::numeric_limits<double>::infinity();
-  for (const std::size_t i : nearby) {
-    const Rigid3& world_from_left = trajectory_[i].world_from_left;
+  const double aside_m = (x_in_world.head<2>() - around.x_in_world).norm();
+  for (const auto& [pose, from_around_m] : around.views) {
+    if (from_around_m - aside_m >= least_m) break;  // and so are all that follow
+    const Rigid3& world_from_left = trajectory_[pose].world_from_left;
     const double distance_m = (x_in_world - world_from_left.translation).norm();
     if (distance_m >= least_m) continue;
     const auto pixel = Project(camera_, world_from_left.Inverse() * x_in_world);
@@ -51,7 +50,7 @@ std::optional<Eigen::Vector3d> NearestViews::Find(const Eigen::Vector3d& x_in_wo
 
 void AddViewAngles(const NearestViews& views, const PointCells& cells, int column, int row,
                    SurfaceGrid& grid) {
-  const auto nearby = views.NearTo(cells.InWorld(column + grid.columns / 2, row + grid.rows / 2));
+  const auto around = views.NearTo(cells.InWorld(column + grid.columns / 2, row + grid.rows / 2));
   for (int r = 0; r < grid.rows; r += kBlock) {
     for (int c = 0; c < grid.columns; c += kBlock) {
       std::optional<Eigen::Vector3d> camera;
@@ -62,7 +61,7 @@ void AddViewAngles(const NearestViews& views, const PointCells& cells, int colum
         Eigen::Vector3d x_in_world;
         const std::size_t cell = grid.Index(x, y);
         x_in_world << cells.InWorld(column + x, row + y), grid.height_m[cell];
-        if (!asked) camera = views.Find(x_in_world, nearby);
+        if (!asked) camera = views.Find(x_in_world, around);
         asked = true;
         CellQuality& quality = grid.quality[cell];
         quality.view_deg = camera ? AngleTo(x_in_world, *camera, quality.normal)

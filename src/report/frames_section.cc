@@ -18,14 +18,6 @@ struct JudgedFrame {
   std::vector<std::string> faults;
 };
 
-std::set<std::string> UnreadableNames(const Json& summary) {
-  std::set<std::string> names;
-  for (const Json& path : At(summary, "/health/unreadable_images")) {
-    if (path.is_string()) names.insert(std::filesystem::path(path.get<std::string>()).stem());
-  }
-  return names;
-}
-
 std::vector<std::string> FaultsOf(const TimedPose& pose, const PartContent& content,
                                   double median_points) {
   std::vector<std::string> faults;
@@ -45,15 +37,11 @@ std::vector<std::string> FaultsOf(const TimedPose& pose, const PartContent& cont
 }
 
 std::vector<JudgedFrame> BadFrames(const PartContent& content) {
-  const std::set<std::string> unreadable = UnreadableNames(content.folder.summary);
   const double median_points = content.sparse ? MedianPointsOfImages(*content.sparse) : 0.0;
   std::vector<JudgedFrame> bad;
   const Trajectory& trajectory = content.folder.trajectory;
   for (std::size_t i = 0; i < trajectory.size(); ++i) {
     std::vector<std::string> faults = FaultsOf(trajectory[i], content, median_points);
-    if (unreadable.contains(std::to_string(trajectory[i].stamp_ns))) {
-      faults.emplace_back("an image cannot be read");
-    }
     if (!faults.empty()) bad.push_back({i, std::move(faults)});
   }
   return bad;
@@ -136,14 +124,15 @@ std::string Timeline(const PartContent& content) {
          "predicted\"></i>guessed</span></p>\n";
 }
 
-std::string Remarks(const Json& summary) {
+std::string ListOf(const Json& summary, const std::vector<const char*>& pointers,
+                   const char* heading) {
   std::string list;
-  for (const char* pointer : {"/health/remarks", "/mapping/remarks"}) {
-    for (const Json& remark : At(summary, pointer)) {
-      if (remark.is_string()) list += "<li>" + Escaped(remark.get<std::string>()) + "</li>\n";
+  for (const char* pointer : pointers) {
+    for (const Json& line : At(summary, pointer)) {
+      if (line.is_string()) list += "<li>" + Escaped(line.get<std::string>()) + "</li>\n";
     }
   }
-  return list.empty() ? "" : "<h3>Remarks</h3><ul>" + list + "</ul>\n";
+  return list.empty() ? "" : fmt::format("<h3>{}</h3><ul>{}</ul>\n", heading, list);
 }
 
 }  // namespace
@@ -169,7 +158,9 @@ std::string FramesSection(const PartContent& content) {
   }
   std::string body = table.Text() + Timeline(content);
   if (!content.folder.trajectory.empty()) body += BadFramesOf(content);
-  body += Remarks(summary.json) + AllFrames(content);
+  body += ListOf(summary.json, {"/health/unreadable_images"}, "Images that cannot be read");
+  body += ListOf(summary.json, {"/health/remarks", "/mapping/remarks"}, "Remarks");
+  body += AllFrames(content);
   return HtmlSection("frames", "Frames", "How each frame's pose was got, in order of time.", body);
 }
 

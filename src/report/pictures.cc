@@ -16,8 +16,12 @@ std::string PictureUrl(const std::filesystem::path& path, int side_px, int quali
   std::error_code ignored;
   if (!std::filesystem::exists(path, ignored)) return "";
   try {
-    cv::Mat image = cv::imread(path.string(), cv::IMREAD_COLOR | cv::IMREAD_IGNORE_ORIENTATION);
+    constexpr int kAsStored =
+        cv::IMREAD_COLOR | cv::IMREAD_ANYDEPTH | cv::IMREAD_IGNORE_ORIENTATION;
+    cv::Mat image = cv::imread(path.string(), kAsStored);
     if (image.empty()) return "";
+    // Of 16 bits cameras use 10, 12 or all.
+    if (image.depth() != CV_8U) cv::normalize(image, image, 0.0, 255.0, cv::NORM_MINMAX, CV_8U);
     const double factor = std::min(1.0, double(side_px) / std::max(image.cols, image.rows));
     if (factor < 1.0) cv::resize(image, image, {}, factor, factor, cv::INTER_AREA);
     std::vector<std::uint8_t> bytes;

@@ -78,6 +78,24 @@ TEST_F(RoverSensorFilesTest, AnglesGoOnOverFullTurns) {
   }
 }
 
+// Two parts of one drive, each of which counts from its own start.
+TEST_F(RoverSensorFilesTest, AnglesGoOnWhereRecordsThatWereReadApartMeet) {
+  const auto part = [&](int begin_ms, int end_ms) {
+    std::string rows;
+    for (int ms = begin_ms; ms < end_ms; ms += 80) rows += WheelRow(ms);
+    return Read(rows, ImuRows()).wheels.samples;
+  };
+  std::vector<WheelSample> whole = part(0, 6000);
+  const auto second = part(6000, 10'000);
+  ASSERT_EQ(whole.size() + second.size(), 125U);
+  whole.insert(whole.end(), second.begin(), second.end());
+  UnwrapDriveAngles(whole);
+  for (const WheelSample& sample : whole) {
+    const double seconds = 1e-9 * static_cast<double>(sample.stamp_ns - kBegin);
+    EXPECT_NEAR(sample.drive_angle_rad[4], kWheelRate_radps * seconds, 1e-9) << "rad";
+  }
+}
+
 TEST_F(RoverSensorFilesTest, ReadsRealExcerpts) {
   const auto reading = Read(
       "2015_11_26_15_23_36_149 0 0 0.782989979 0 0 0.713249981 0 0 0.0697399974 0 0 0.374060005 0 "

@@ -40,7 +40,7 @@ TEST(WindowsAround, HoldWhatWasFoundInAndAroundEachTile) {
                      static_cast<int>(random.Uniform(0.0, half.cols))) =
           static_cast<short>(random.Uniform(1.0, 60.0) * kStepsPerPx);
     }
-    const TileWindows windows = WindowsAround(half, size);
+    const TileWindows windows = WindowsAround(half, size).value();
     for (int row = 0; row < size.height; ++row) {
       for (int column = 0; column < size.width; ++column) {
         const int steps =
@@ -62,7 +62,8 @@ TEST(WindowsAround, AreNarrowOnASurface) {
   for (int row = 0; row < half.rows; ++row) {
     half.row(row) = static_cast<double>(kStepsPerPx * (5 + 0.2 * row));
   }
-  for (const DisparityWindow& window : WindowsAround(half, size).windows) {
+  const TileWindows windows = WindowsAround(half, size).value();
+  for (const DisparityWindow& window : windows.windows) {
     EXPECT_EQ(window.count, DisparityWindow::kGrain);
   }
 }
@@ -71,18 +72,15 @@ TEST(WindowsAround, TakeThoseOfTheNearestTilesWhereNothingWasFound) {
   cv::Mat half = NothingFound({160, 160});
   half(cv::Rect(0, 0, 80, 80)) = 30 * kStepsPerPx;
   half(cv::Rect(140, 140, 20, 20)) = 100 * kStepsPerPx;
-  const TileWindows windows = WindowsAround(half, {320, 320});
+  const TileWindows windows = WindowsAround(half, {320, 320}).value();
   EXPECT_TRUE(Holds(windows.At(12, 2), 60));
   EXPECT_FALSE(Holds(windows.At(12, 2), 200));
   EXPECT_TRUE(Holds(windows.At(16, 16), 200));
   EXPECT_FALSE(Holds(windows.At(19, 19), 60));
 }
 
-TEST(WindowsAround, AreShortWhereNothingWasFoundAtAll) {
-  for (const DisparityWindow& window : WindowsAround(NothingFound({50, 40}), {100, 80}).windows) {
-    EXPECT_EQ(window.first, 0);
-    EXPECT_EQ(window.count, DisparityWindow::kGrain);
-  }
+TEST(WindowsAround, AreNotKnownWhereNothingWasFoundAtAll) {
+  EXPECT_FALSE(WindowsAround(NothingFound({50, 40}), {100, 80}));
 }
 
 }  // namespace

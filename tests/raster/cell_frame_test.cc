@@ -65,12 +65,15 @@ TEST(CellFrame, PassesOverPointsThatAreNowhere) {
   EXPECT_EQ(frame.rows, 1);
 }
 
-TEST(CellFrame, RefusesCloudsWithoutAPointAndOnesTooWide) {
+TEST(CellFrame, RefusesCloudsWithoutAPoint) {
   EXPECT_THAT(MessageOf<DataError>([] { FrameOfCloud({}); }), testing::HasSubstr("cloud.ply"));
-  EXPECT_THAT(MessageOf<DataError>([] {
-                FrameOfCloud({MapPoint(-1e6, -1e6, 0.0), MapPoint(1e6, 1e6, 0.0)});
-              }),
-              testing::HasSubstr("cloud.ply"));
+}
+
+TEST(CellFrame, TakesCoarserCellsForCloudsThatAreVeryWide) {
+  const CellFrame frame = FrameOfCloud({MapPoint(-1e4, -1e4, 0.0), MapPoint(1e4, 1e4, 0.0)});
+  EXPECT_EQ(frame.cell_m, 16.0 * kCell_m);  // 6.25e8 of them
+  EXPECT_LT(frame.UpperLeft().x(), -1e4 + frame.cell_m);
+  EXPECT_NEAR(frame.columns * frame.cell_m, 2e4, 2.0 * frame.cell_m);
 }
 
 }  // namespace

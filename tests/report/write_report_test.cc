@@ -53,6 +53,13 @@ TEST_F(WriteReportTest, NamesAreHarmless) {
   EXPECT_THAT(report, HasSubstr("&lt;script&gt;alert(2)&lt;"));
 }
 
+TEST_F(WriteReportTest, NamesImagesThatCannotBeRead) {
+  Json summary = SampleSummary();
+  summary["health"]["unreadable_images"] = {"beach/LocCam_2015_11_26_15_23_36_000_0.png"};
+  EXPECT_THAT(ReportOf(WriteSampleResult(folder_, "result", summary)),
+              HasSubstr("<li>beach/LocCam_2015_11_26_15_23_36_000_0.png</li>"));
+}
+
 TEST_F(WriteReportTest, RefersToNothingOutside) {
   std::string report = ReportOf(WriteSampleResult(folder_));
   EXPECT_THAT(report, HasSubstr("default-src 'none'"));

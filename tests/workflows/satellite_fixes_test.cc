@@ -153,6 +153,32 @@ TEST_F(SatelliteFixes, FloatIsCountedAndLeftOut) {
   EXPECT_LT(outcome.error_m, 3.0 * good_m);
 }
 
+// One every twenty seconds: all of them would lie in even turns.
+TEST_F(SatelliteFixes, OfFewFixesEveryOtherOneJudges) {
+  std::erase_if(fixes_, [](const GnssFix& fix) { return fix.stamp_ns % 20'000'000'000 != 0; });
+  ASSERT_GE(fixes_.size(), 9U);
+  const SplitFixes split = SplitByTurns(fixes_);
+  EXPECT_GE(split.tying.size(), 4U);
+  EXPECT_GE(split.judging.size(), 4U);
+  const Outcome outcome = Tie();
+  if (outcome.report["used"]) {
+    EXPECT_LT(outcome.report["judging_rms_after_m"], outcome.report["judging_rms_before_m"]);
+  } else {
+    EXPECT_NEAR(outcome.error_m, ErrorOfImages(), 1e-9);
+  }
+}
+
+TEST_F(SatelliteFixes, AreNotUsedWhereNoneIsLeftToJudge) {
+  // Those that judge are no fixes.
+  for (GnssFix& fix : fixes_) {
+    if (fix.stamp_ns / 10'000'000'000 % 2 == 1) fix.status = "RTK_FLOAT";
+  }
+  const Outcome outcome = Tie();
+  EXPECT_FALSE(outcome.report["used"]) << outcome.report.dump();
+  EXPECT_THAT(outcome.report["why_not"].get<std::string>(), HasSubstr("of the fixes held back"));
+  EXPECT_NEAR(outcome.error_m, ErrorOfImages(), 1e-9);
+}
+
 TEST_F(SatelliteFixes, SwappedColumnsAreNotUsed) {
   for (GnssFix& fix : fixes_) std::swap(fix.latitude_deg, fix.longitude_deg);
   const Outcome outcome = Tie();

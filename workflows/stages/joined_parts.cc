@@ -91,7 +91,12 @@ std::vector<std::vector<int>> WorldsOf(const JoinedParts& parts, const AdjustedP
   }
   std::map<int, std::vector<int>> worlds;
   for (std::size_t p = 0; p < of_parts.size(); ++p) {
-    // All frames of a part may be others' as well.
+    // All frames of a part may be those of parts before it.
+    if (of_parts[p].empty()) {
+      for (const auto& [frame, pose] : parts.parts[p].world_from_left) {
+        ++of_parts[p][frames.Root(frame)];
+      }
+    }
     if (of_parts[p].empty()) continue;
     const auto main =
         std::ranges::max_element(of_parts[p], {}, [](const auto& entry) { return entry.second; });

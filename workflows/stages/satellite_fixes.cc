@@ -8,6 +8,7 @@
 #include <cmath>
 #include <numbers>
 #include <numeric>
+#include <optional>
 
 #include "core/error.h"
 #include "core/statistics.h"
@@ -19,6 +20,7 @@ namespace rigmap {
 namespace {
 
 constexpr StampNs kTurn_ns = 10'000'000'000;
+constexpr std::size_t kFewestJudges = 4;  // as many as are needed to tie
 // Fewer fixes, or a path that turns less, do not tell a clock's offset from a way along the path.
 constexpr int kFixesForClock = 40;
 constexpr double kTurnForClock_rad = std::numbers::pi / 2.0;
@@ -69,14 +71,20 @@ class FixTie {
                      "fewer than two thirds of the fixes agree with the path of the images");
     }
     Describe(*fused);
-    const double before_m = JudgedBefore(), after_m = JudgedAfter(*fused);
-    report_["judging_rms_before_m"] = before_m;
-    report_["judging_rms_after_m"] = after_m;
+    const std::optional<double> before_m = JudgedBefore(), after_m = JudgedAfter(*fused);
+    if (!before_m || !after_m) {
+      return NotUsed(std::move(result),
+                     fmt::format("of the fixes held back, {}, fewer than {} lie beside the path: "
+                                 "nothing would check what the others do to it",
+                                 fixes_.judging.size(), kFewestJudges));
+    }
+    report_["judging_rms_before_m"] = *before_m;
+    report_["judging_rms_after_m"] = *after_m;
     // Of equal ones neither is better.
-    if (after_m > before_m) {
+    if (*after_m > *before_m) {
       return NotUsed(std::move(result), fmt::format("the fixes held back would agree with the path "
                                                     "to {:.4f} m instead of {:.4f} m",
-                                                    after_m, before_m));
+                                                    *after_m, *before_m));
     }
     Move(*fused, result.part);
     report_["used"] = true;
@@ -90,7 +98,7 @@ class FixTie {
     const auto is_float = [](const GnssFix& fix) { return fix.status != kRtkFixed; };
     report_["tying"] = fixes_.tying.size();
     report_["judging"] = fixes_.judging.size();
-    report_["split"] = "by turns of ten seconds: the even ones tie, the odd ones judge";
+    report_["split"] = "by turns of ten seconds with fixes: the even ones tie, the odd ones judge";
     report_["not_rtk_fixed"] = std::ranges::count_if(fixes_.tying, is_float);
     report_["clocks"] = ReportClocks();
   }
@@ -154,23 +162,27 @@ class FixTie {
   }
 
   // Horizontal, root mean square of the judging fixes within ten sigmas of the median: those that
-  // are no fixes at all judge nobody. The shifts are those that fit the tying fixes best.
-  double Judged(const Trajectory& poses, const Rigid3& enu_from_world, double clock_s) const {
+  // are no fixes at all judge nobody. The shifts are those that fit the tying fixes best. Nothing
+  // where there are too few.
+  std::optional<double> Judged(const Trajectory& poses, const Rigid3& enu_from_world,
+                               double clock_s) const {
     std::vector<double> distances;
     for (const AntennaFix& fix : InEnu(fixes_.judging)) {
       const auto antenna = AntennaAt(poses, fix.time_s - clock_s, antenna_, options_.max_gap_s);
       if (!antenna) continue;
       distances.push_back((enu_from_world * *antenna - fix.x_in_enu).head<2>().norm());
     }
-    if (distances.empty()) return 0.0;
+    if (distances.size() < kFewestJudges) return std::nullopt;
     const double limit = 10.0 * Median(distances);
     std::erase_if(distances, [&](double distance) { return distance > limit; });
     const double sum =
         std::inner_product(distances.begin(), distances.end(), distances.begin(), 0.0);
     return std::sqrt(sum / static_cast<double>(distances.size()));
   }
-  double JudgedBefore() const { return Judged(part_.trajectory, EnuFromWorld(), 0.0); }
-  double JudgedAfter(const FusedFixes& fused) const {
+  std::optional<double> JudgedBefore() const {
+    return Judged(part_.trajectory, EnuFromWorld(), 0.0);
+  }
+  std::optional<double> JudgedAfter(const FusedFixes& fused) const {
     Trajectory moved = part_.trajectory;
     for (std::size_t i = 0; i < moved.size(); ++i) {
       moved[i].world_from_left = fused.world_from_left[i];
@@ -245,7 +257,7 @@ TiedPart MakeTied(const StageContext&, const Dataset& dataset, const AdjustedPar
         fmt::format("{}: --use-rtk: expected the antenna's place (antenna_in_left), found none",
                     dataset.rig.source));
   }
-  if (fixes.tying.empty()) {
+  if (fixes.tying.empty() && fixes.judging.empty()) {
     throw DataError("--use-rtk: expected satellite fixes beside the images, found none");
   }
   return FixTie(part, parts, fixes, *dataset.rig.antenna_in_left, options).Tie();
@@ -267,8 +279,13 @@ Report ReportTied(const TiedPart& tied, const Dataset&, const AdjustedPart&, con
 SplitFixes SplitByTurns(std::vector<GnssFix> fixes) {
   std::ranges::stable_sort(fixes, {}, &GnssFix::stamp_ns);
   SplitFixes split;
+  bool ties = false;
+  std::optional<StampNs> last_turn;
   for (GnssFix& fix : fixes) {
-    const bool ties = fix.stamp_ns / kTurn_ns % 2 == 0;
+    const StampNs turn = fix.stamp_ns / kTurn_ns;
+    // Turns without a fix do not count: one a minute would be all of one kind.
+    if (turn != last_turn) ties = last_turn ? !ties : turn % 2 == 0;
+    last_turn = turn;
     (ties ? split.tying : split.judging).push_back(std::move(fix));
   }
   return split;

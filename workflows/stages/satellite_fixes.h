@@ -11,7 +11,8 @@
 
 namespace rigmap {
 
-// Fixes in turns of ten seconds: those of the even turns tie poses, the others judge them.
+// Fixes in turns of ten seconds, as far as these hold any: every other turn's tie poses, the others
+// judge them.
 struct SplitFixes {
   std::vector<GnssFix> tying, judging;
 };

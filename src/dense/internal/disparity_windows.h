@@ -44,9 +44,8 @@ TileWindows WholeRange(cv::Size size, int range_px);
 
 // Around what was found at half the resolution (CV_16S, in steps of 1/16 px, negative where
 // unknown): a tile's window holds all disparities that were found in it and in the tiles around it,
-// and a margin. Where nothing was found, those of the nearest tiles; the whole range if there are
-// none.
-TileWindows WindowsAround(const cv::Mat& half_disparity, cv::Size size);
+// and a margin. Where nothing was found, those of the nearest tiles; nothing if there are none.
+std::optional<TileWindows> WindowsAround(const cv::Mat& half_disparity, cv::Size size);
 
 // How the costs of one pixel row lie in memory: column by column, each as many as its window has.
 // The same for all pixel rows of a row of tiles.

@@ -39,6 +39,7 @@ class TiledGrid {
     std::uint64_t last_use = 0;
   };
 
+  VoxelGrid EmptyGrid(const TileIndex& tile_index) const;
   VoxelGrid& GridAt(const TileIndex& tile_index);
   std::filesystem::path FileOf(const TileIndex& tile_index) const;
 

@@ -22,13 +22,14 @@ struct SurfaceSample {
   float off_m = 0.0F;    // one standard deviation off the surface, along its normal
 };
 
-// Cubes are hashed; 64 bytes per touched cube. The world reaches 2^20 cubes from the origin in each
-// direction (10 km at 1 cm). Not thread-safe.
+// Cubes are hashed; 64 bytes per touched cube. The grid reaches 2^20 cubes from its corner in each
+// direction, up and down from height 0, and 100 km from the origin. Not thread-safe.
 class VoxelGrid {
  public:
-  explicit VoxelGrid(double voxel_m) : voxel_m_(voxel_m), slots_(kFirstSlots, kEmpty) {}
+  explicit VoxelGrid(double voxel_m,
+                     const Eigen::Vector2d& corner_in_world = Eigen::Vector2d::Zero());
 
-  // Weighs the sample by 1 / sigma^2. Throws DataError for a point outside the world.
+  // Weighs the sample by 1 / sigma^2. Throws DataError for a point outside the grid.
   void Add(const SurfaceSample& sample);
 
   // One point per cube with at least `min_observations` and at most `max_sigma_m`, ordered by cube
@@ -57,6 +58,7 @@ class VoxelGrid {
   SurfacePoint PointOf(const Voxel& voxel) const;
 
   double voxel_m_;
+  Eigen::Vector3d corner_;            // in voxels, whole ones
   std::vector<std::uint32_t> slots_;  // open addressing, a power of two; index into voxels_
   std::vector<Voxel> voxels_;
 };

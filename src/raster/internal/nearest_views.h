@@ -19,12 +19,21 @@ class NearestViews {
   NearestViews(const Trajectory& trajectory, const Camera& camera)
       : trajectory_(trajectory), camera_(camera) {}
 
+  // Poses in order of their horizontal distance from a point on the ground.
+  struct Around {
+    struct View {
+      std::size_t pose = 0;
+      double distance_m = 0.0;
+    };
+    Eigen::Vector2d x_in_world;
+    std::vector<View> views;
+  };
+  Around NearTo(const Eigen::Vector2d& x_in_world) const;
+
   // The nearest camera's position whose image holds the point, whatever stands between; nothing
-  // where there is none. `nearby`: NearTo.
+  // where there is none. Fast where `around` is of a point close by.
   std::optional<Eigen::Vector3d> Find(const Eigen::Vector3d& x_in_world,
-                                      const std::vector<std::size_t>& nearby) const;
-  // Poses in order of their distance from a place.
-  std::vector<std::size_t> NearTo(const Eigen::Vector2d& x_in_world) const;
+                                      const Around& around) const;
 
  private:
   const Trajectory& trajectory_;

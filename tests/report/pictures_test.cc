@@ -1,0 +1,30 @@
+#include "report/pictures.h"
+
+#include <gmock/gmock.h>
+
+#include <opencv2/core.hpp>
+#include <opencv2/imgcodecs.hpp>
+
+#include "tests/support/temporary_folder.h"
+
+namespace rigmap {
+namespace {
+
+// Of 16, as machine vision cameras write them.
+TEST(PictureUrl, ShowsImagesOfTwelveBits) {
+  const TemporaryFolder folder;
+  cv::Mat eight(48, 64, CV_8UC1), twelve;
+  for (int column = 0; column < eight.cols; ++column) {
+    eight.col(column) = 255.0 * column / (eight.cols - 1);
+  }
+  eight.convertTo(twelve, CV_16U, 16.0);
+  const auto url = [&](const cv::Mat& image) {
+    cv::imwrite((folder.Path() / "image.png").string(), image);
+    return PictureUrl(folder.Path() / "image.png", 64, 90);
+  };
+  EXPECT_THAT(url(eight), testing::StartsWith("data:image/jpeg;base64,"));
+  EXPECT_EQ(url(twelve), url(eight));
+}
+
+}  // namespace
+}  // namespace rigmap
