@@ -2,10 +2,10 @@
 
 #include <tbb/parallel_for.h>
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <array>
 
+#include "adjustment/internal/point_inverse.h"
 #include "adjustment/reprojection.h"
 
 namespace rigmap {
@@ -41,8 +41,7 @@ void AddPoint(const AdjustedPoint& point, const std::vector<std::optional<Rigid3
     // Lazily: products of this shape are too small for blocked ones to pay.
     information += weight * by_calibration.transpose().lazyProduct(by_calibration);
   }
-  const Eigen::Matrix3d inverse = v.inverse();
-  if (!inverse.allFinite()) return;
+  const Eigen::Matrix3d inverse = InverseOfPoint(v);
   block.score -= gradient - coupling * (inverse * v_gradient);
   const Eigen::Matrix<double, kCalibrationSize, 3> scaled = coupling * inverse;
   block.information += information - scaled.lazyProduct(coupling.transpose());

@@ -2,10 +2,10 @@
 
 #include <tbb/parallel_for.h>
 
-#include <Eigen/LU>
 #include <algorithm>
 
 #include "adjustment/internal/datum_frames.h"
+#include "adjustment/internal/point_inverse.h"
 #include "adjustment/reprojection.h"
 
 namespace rigmap {
@@ -61,9 +61,8 @@ void AddObservation(const PointObservation& observation, const Eigen::Vector3d& 
 }
 
 // Subtracts what the point's own freedom takes away.
-void EliminatePoint(const PointEquations& point, ReducedSystem& system) {
-  const Eigen::Matrix3d inverse = point.v.inverse();
-  if (!inverse.allFinite()) return;
+void EliminatePoint(const PointEquations& point, const Eigen::Matrix3d& inverse,
+                    ReducedSystem& system) {
   for (const PointView& i : point.views) {
     const Eigen::Matrix<double, 6, 3> scaled = i.coupling * inverse;
     for (const PointView& k : point.views) {
@@ -78,9 +77,9 @@ void EliminatePoint(const PointEquations& point, ReducedSystem& system) {
   system.calibration_gradient -= scaled * point.gradient;
 }
 
-void AddCluster(const PointEquations& point, ReducedSystem& system) {
-  const Eigen::Vector3d step = point.v.inverse() * point.gradient;
-  if (!step.allFinite()) return;
+void AddCluster(const PointEquations& point, const Eigen::Matrix3d& inverse,
+                ReducedSystem& system) {
+  const Eigen::Vector3d step = inverse * point.gradient;
   std::vector<ScoreClusters::Score> scores;
   for (const PointView& view : point.views) {
     scores.emplace_back(view.unknown, view.score - view.coupling * step);
@@ -97,8 +96,9 @@ void AddPointTo(ReducedSystem& system, const AdjustedPoint& adjusted, const Line
   }
   for (const PointView& view : point.views) system.pose_gradient[view.unknown] += view.score;
   system.calibration_gradient += point.calibration_score;
-  AddCluster(point, system);
-  EliminatePoint(point, system);
+  const Eigen::Matrix3d inverse = InverseOfPoint(point.v);
+  AddCluster(point, inverse, system);
+  EliminatePoint(point, inverse, system);
 }
 
 ReducedSystem NumberUnknowns(const Linearisation& at) {

@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 
 #include "adjustment/internal/bundle.h"
@@ -237,6 +238,46 @@ TEST_F(CameraSystemTest, CalibrationAloneIsThatOfTheWhole) {
   EXPECT_EQ(alone->equations.score, whole.calibration->score);
   EXPECT_EQ(alone->equations.stretches.size(), whole.calibration->stretches.size());
   EXPECT_EQ(alone->equations.regions.size(), whole.calibration->regions.size());
+}
+
+// Such points came out as large numbers less themselves, and made a calibration's information
+// negative: one of 30 000 was enough.
+TEST_F(CameraSystemTest, PointsWithoutAPositionSayNothingOfTheCalibration) {
+  Make({.frames = 8, .points_per_m2 = 6.0, .pixel_sigma = 0.2, .seed = 60});
+  const auto solve = [&] {
+    return SolveCalibration({points_, left_from_world_, rover_.rig, 0.2, kNoHuber_px});
+  };
+  const auto without = solve();
+  AdjustedPoint in_one_image = points_.front(), far_off = points_.front();
+  in_one_image.observations.resize(1);
+  const Rigid3 world_from_left = left_from_world_[3]->Inverse();
+  far_off.observations.clear();
+  far_off.x = world_from_left * Eigen::Vector3d(1e5, -2e4, 1e7);
+  for (const Eye eye : kEyes) {
+    const auto at = Reproject(rover_.rig, eye, *left_from_world_[3], far_off.x);
+    ASSERT_TRUE(at);
+    far_off.observations.push_back({.frame = 3, .eye = eye, .pixel = at->pixel});
+  }
+  for (int i = 0; i < 5; ++i) points_.push_back(in_one_image);
+  const auto with_one = solve();
+  ASSERT_TRUE(without && with_one);
+  const CalibrationMatrix& before = without->equations.information;
+  EXPECT_LT((with_one->equations.information - before).norm(), 1e-9 * before.norm());
+  EXPECT_LT((with_one->equations.score - without->equations.score).norm(),
+            1e-9 * without->equations.score.norm());
+  // One that is as good as infinitely far tells the turn of one eye against the other.
+  points_.push_back(far_off);
+  const auto with_far = solve();
+  ASSERT_TRUE(with_far);
+  const CalibrationVector added = (with_far->equations.information - before).diagonal();
+  EXPECT_GT(added(kRotationY), 0.0);
+  EXPECT_GE((added.array() / before.diagonal().array()).minCoeff(), -1e-9);
+  for (const CalibrationBlock& block : with_far->equations.regions) {
+    const CalibrationVector scale = block.information.diagonal().cwiseSqrt().cwiseInverse();
+    const CalibrationMatrix scaled = scale.asDiagonal() * block.information * scale.asDiagonal();
+    EXPECT_LT((scaled - scaled.transpose()).norm(), 1e-6);
+    EXPECT_GT(Eigen::SelfAdjointEigenSolver<CalibrationMatrix>(scaled).eigenvalues()(0), -1e-6);
+  }
 }
 
 // A pose that follows a change of the calibration is nearer to where an adjustment then puts it.
