@@ -220,6 +220,7 @@ class Adjuster {
           std::sqrt(of_noise + by_calibration.dot(of_calibration * by_calibration));
     }
     result.correction_px = LargestShiftPx(input_.rig, bundle_.rig);
+    result.correction_prior_sigmas = LargestShiftSigmas(input_.rig, bundle_.rig, prior_);
     result.infinity_offset_px = DisparityAtInfinity(bundle_.rig) - DisparityAtInfinity(input_.rig);
     result.infinity_offset_sigma_px =
         SigmaOf(DisparityAtInfinity, input_.rig, correction_, prior_.sigmas, of_calibration);

@@ -45,6 +45,10 @@ double SigmaOf(double (*function)(const StereoRig&), const StereoRig& rig,
                const CalibrationMatrix& covariance);
 // Largest change of RightPixelAtInfinity over the image, px.
 double LargestShiftPx(const StereoRig& from, const StereoRig& to);
+// Largest ratio of that change to its length that the prior of a correction of `from` expects there
+// (root mean square): what is far for the middle of an image is not for its corners.
+double LargestShiftSigmas(const StereoRig& from, const StereoRig& to,
+                          const CalibrationPrior& prior);
 
 // A correction with what the part and the prior together leave unknown of it.
 struct ProbableCorrection {

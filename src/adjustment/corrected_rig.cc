@@ -71,19 +71,64 @@ double DisparityAtInfinity(const StereoRig& rig) {
   return right ? middle.x() - right->x() : 0.0;
 }
 
-double LargestShiftPx(const StereoRig& from, const StereoRig& to) {
+namespace {
+
+// Pixels all over the left image, nine along each side.
+std::vector<Eigen::Vector2d> PixelsOver(const Camera& camera) {
   constexpr int kSteps = 8;
-  const Camera& camera = from.left.camera;
-  double largest_px = 0.0;
+  std::vector<Eigen::Vector2d> pixels;
   for (int column = 0; column <= kSteps; ++column) {
     for (int row = 0; row <= kSteps; ++row) {
-      const Eigen::Vector2d left(static_cast<double>(column * (camera.width - 1)) / kSteps,
-                                 static_cast<double>(row * (camera.height - 1)) / kSteps);
-      const auto a = RightPixelAtInfinity(from, left), b = RightPixelAtInfinity(to, left);
-      if (a && b) largest_px = std::max(largest_px, (*a - *b).norm());
+      pixels.emplace_back(static_cast<double>(column * (camera.width - 1)) / kSteps,
+                          static_cast<double>(row * (camera.height - 1)) / kSteps);
+    }
+  }
+  return pixels;
+}
+
+std::optional<Eigen::Vector2d> ShiftAtInfinity(const StereoRig& from, const StereoRig& to,
+                                               const Eigen::Vector2d& left) {
+  const auto a = RightPixelAtInfinity(from, left), b = RightPixelAtInfinity(to, left);
+  if (!a || !b) return std::nullopt;
+  return *b - *a;
+}
+
+}  // namespace
+
+double LargestShiftPx(const StereoRig& from, const StereoRig& to) {
+  double largest_px = 0.0;
+  for (const Eigen::Vector2d& left : PixelsOver(from.left.camera)) {
+    if (const auto shift = ShiftAtInfinity(from, to, left)) {
+      largest_px = std::max(largest_px, shift->norm());
     }
   }
   return largest_px;
+}
+
+double LargestShiftSigmas(const StereoRig& from, const StereoRig& to,
+                          const CalibrationPrior& prior) {
+  constexpr double kStepSigmas = 0.01;  // where shifts are linear
+  const CalibrationMatrix covariance = prior.information.inverse();
+  std::vector<StereoRig> stepped;
+  for (int i = 0; i < kCalibrationSize; ++i) {
+    stepped.push_back(Corrected(from, kStepSigmas * prior.sigmas(i) * CalibrationVector::Unit(i)));
+  }
+  double largest = 0.0;
+  for (const Eigen::Vector2d& left : PixelsOver(from.left.camera)) {
+    const auto shift = ShiftAtInfinity(from, to, left);
+    Eigen::Matrix<double, 2, kCalibrationSize> by_calibration;
+    bool is_seen = shift.has_value();
+    for (int i = 0; i < kCalibrationSize && is_seen; ++i) {
+      const auto step = ShiftAtInfinity(from, stepped[static_cast<std::size_t>(i)], left);
+      is_seen = step.has_value();
+      if (step) by_calibration.col(i) = *step / (kStepSigmas * prior.sigmas(i));
+    }
+    if (!is_seen) continue;
+    const double expected_px =
+        std::sqrt((by_calibration * covariance * by_calibration.transpose()).trace());
+    largest = std::max(largest, shift->norm() / std::max(expected_px, 1e-12));
+  }
+  return largest;
 }
 
 }  // namespace rigmap

@@ -50,13 +50,19 @@ void JudgeEpipolar(const GateInputs& inputs, const CalibrationGateOptions& optio
                          "median distance of stereo matches from their epipolar line"));
 }
 
-// A rig that the part corrected has to stay near its calibration.
+// A rig that the part corrected has to stay near its calibration: within a share of the image, or
+// where corrections lie that its prior expects, of which one like this may have three sigmas.
 void JudgeCorrection(const GateInputs& inputs, const CalibrationGateOptions& options,
                      Gates& gates) {
+  constexpr double kMostSigmas = 3.0;
   std::optional<double> shift_px;
-  if (inputs.adjustment.IsRigCorrected()) shift_px = inputs.adjustment.correction_px;
-  gates.push_back(AtMost("rig_refinement_px", shift_px,
-                         options.rig_refinement_share * inputs.rig.left.camera.width,
+  double limit_px = options.rig_refinement_share * inputs.rig.left.camera.width;
+  if (inputs.adjustment.IsRigCorrected()) {
+    shift_px = inputs.adjustment.correction_px;
+    const double sigmas = inputs.adjustment.correction_prior_sigmas;
+    if (sigmas > 0.0) limit_px = std::max(limit_px, kMostSigmas / sigmas * *shift_px);
+  }
+  gates.push_back(AtMost("rig_refinement_px", shift_px, limit_px,
                          "the rig file is off by more than a calibration errs: of another rig?"));
 }
 

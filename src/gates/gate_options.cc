@@ -59,11 +59,9 @@ OptionFields CalibrationGateOptions::Fields() {
        "0.6. A row that is off by a pixel is a pitch of 0.07 degrees at 840 px."},
       {"rig_refinement_share", &rig_refinement_share, "", MoreThan(0.0),
        "Largest shift, as a share of the image's width, by which the correction of the rig moves "
-       "the "
-       "right image of what is infinitely far. Real rig files that were corrected well were off by "
-       "0.2 to 0.7 % (3 px of 512 in the worst); beyond a hundredth it is another rig's file, or "
-       "the "
-       "images are wrong."},
+       "the right image of what is infinitely far; more where the prior of the adjustment expects "
+       "more, by three sigmas. Real rig files that were corrected well were off by 0.2 to 0.7 % (3 "
+       "px of 512 in the worst); beyond it is another rig's file, or the images are wrong."},
       {"max_depth_error_share", &max_depth_error_share, "", MoreThan(0.0),
        "Largest share by which the right eye's rotation may falsify the depth of the median "
        "point. A turn a shifts disparities by f a, which is a z / b of the depth at z: the limit "

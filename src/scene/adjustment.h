@@ -50,9 +50,10 @@ struct Adjustment {
   CalibrationVector rig_correction = CalibrationVector::Zero();
   CalibrationVector rig_correction_sigmas = CalibrationVector::Zero();
   // By how much the correction moves the right image of what is infinitely far: the largest shift
-  // of any pixel, and the change of disparity in the middle of the image with the sigma of what is
-  // in use, corrected or not.
-  double correction_px = 0.0, infinity_offset_px = 0.0, infinity_offset_sigma_px = 0.0;
+  // of any pixel, the largest over what the prior expects of that pixel, and the change of
+  // disparity in the middle of the image with the sigma of what is in use, corrected or not.
+  double correction_px = 0.0, correction_prior_sigmas = 0.0, infinity_offset_px = 0.0,
+         infinity_offset_sigma_px = 0.0;
   // Of the factor that a similarity alignment would find between the adjusted and the true
   // positions: what noise and calibration leave unknown of it. Nothing for positions that hang on
   // several datum frames or do not differ.
@@ -73,9 +74,9 @@ struct Adjustment {
   template <class Archive>
   void serialize(Archive& archive) {
     archive(world_from_left, datum_frames, covariances, points, rig, refined, rig_correction,
-            rig_correction_sigmas, correction_px, infinity_offset_px, infinity_offset_sigma_px,
-            scale_sigma, scale_sigma_of_noise, noise_px, reprojection_px, outlier_share,
-            calibration, calibration_inflation);
+            rig_correction_sigmas, correction_px, correction_prior_sigmas, infinity_offset_px,
+            infinity_offset_sigma_px, scale_sigma, scale_sigma_of_noise, noise_px, reprojection_px,
+            outlier_share, calibration, calibration_inflation);
   }
 };
 

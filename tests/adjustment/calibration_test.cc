@@ -377,5 +377,23 @@ TEST(RightPixelAtInfinity, ShiftsWithTheRightEye) {
               1.0);  // more in the corners
 }
 
+TEST(LargestShiftSigmas, AreThoseOfThePixelThatIsLeastExpectedToMove) {
+  const StereoRig given = LocCamRig();
+  CalibrationPrior prior;
+  prior.sigmas.setConstant(1e-9);
+  prior.sigmas(kRightCx) = 0.5;
+  prior.sigmas(kRightK1) = 0.05;
+  prior.information = prior.sigmas.cwiseAbs2().cwiseInverse().asDiagonal();
+  EXPECT_EQ(LargestShiftSigmas(given, given, prior), 0.0);
+  CalibrationVector moved = CalibrationVector::Zero(), bent = moved;
+  moved(kRightCx) = 2.0;
+  bent(kRightK1) = 0.05;
+  // In the middle of the image nothing else moves what is infinitely far.
+  EXPECT_NEAR(LargestShiftSigmas(given, Corrected(given, moved), prior), 4.0, 0.01);
+  // Ten pixels in the corners, which is what the prior expects there.
+  EXPECT_GT(LargestShiftPx(given, Corrected(given, bent)), 10.0);
+  EXPECT_LT(LargestShiftSigmas(given, Corrected(given, bent), prior), 1.05);
+}
+
 }  // namespace
 }  // namespace rigmap

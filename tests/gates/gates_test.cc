@@ -308,6 +308,12 @@ TEST_F(GatesTest, CorrectionsOfTheRigAreJudgedInSigmasOfACalibration) {
   EXPECT_FALSE(Judge("rig_refinement_px").passed);
   adjustment_.correction_px = limit_px - 0.001;
   EXPECT_TRUE(Judge("rig_refinement_px").passed);
+  // More where the prior expects more; three times that.
+  adjustment_.correction_px = 2.0 * limit_px;
+  adjustment_.correction_prior_sigmas = 2.9;
+  EXPECT_TRUE(Judge("rig_refinement_px").passed);
+  adjustment_.correction_prior_sigmas = 3.1;
+  EXPECT_FALSE(Judge("rig_refinement_px").passed);
   adjustment_.rig_correction_sigmas.setZero();
   EXPECT_FALSE(Judge("rig_refinement_px").value);
 }
@@ -423,6 +429,8 @@ TEST_F(GatesTest, PiecesAreWhatMeasurementsJoin) {
   odometry_[5].reference = 4;
   EXPECT_THAT(findings().pieces, testing::ElementsAre(FrameRun{0, 12}));
   EXPECT_THAT(findings().guessed, testing::ElementsAre(FrameRun{4, 5}));
+  trajectory_[4].position_covariance = 0.04 * Eigen::Matrix3d::Identity();
+  EXPECT_NEAR(findings().guessed_95_m, 2.795 * 0.2, 0.01);  // of a chi with three degrees
   EXPECT_EQ(findings().LongestMeasured(), (FrameRun{5, 12}));
   EXPECT_EQ(findings().breaks, 0);
   // They were not: the odometry began anew, and nothing shows the same points.
