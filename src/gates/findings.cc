@@ -82,6 +82,8 @@ PartFindings FindingsOf(const GateInputs& inputs, const GateOptions& options) {
     auto& guessed = findings.guessed;
     if (guessed.empty() || guessed.back().end != frame) guessed.push_back({frame, frame});
     ++guessed.back().end;
+    const Eigen::Matrix3d& covariance = inputs.trajectory[frame].position_covariance;
+    findings.guessed_95_m = std::max(findings.guessed_95_m, Radius95(covariance));
   }
   FindPieces(inputs, options.adjustment, findings);
   return findings;

@@ -25,6 +25,7 @@ struct PartFindings {
   std::optional<double> rig_correction_px;
   int frames = 0;
   std::vector<FrameRun> guessed;  // whose pose is a prediction, in order
+  double guessed_95_m = 0.0;      // the worst of them: radius that holds the truth with 95 %
   int breaks = 0;                 // how often nothing measured joins a frame to those before
   // Runs of three frames and more in which each is joined to those before by what was measured, and
   // map and odometry tell of the same step; the longest first.

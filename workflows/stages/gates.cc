@@ -81,24 +81,31 @@ Report ReportPart(const GateInputs& inputs, const GateOptions& options) {
   const PartFindings findings = FindingsOf(inputs, options);
   const Accuracy& accuracy = findings.accuracy;
   Report report = ReportGates(JudgePart(inputs, options));
-  report["verdict"] = {{"scale_95_pct", ToJson(accuracy.scale_95_pct)},
-                       {"position_95_m", ToJson(accuracy.position_95_m)},
-                       {"accuracy_asked_pct", findings.accuracy_asked_pct},
-                       {"known",
-                        {{"path_m", accuracy.path_m},
-                         {"scale_95_pct_of_noise", ToJson(accuracy.noise_95_pct)},
-                         {"scale_95_pct_of_baseline", ToJson(accuracy.baseline_95_pct)},
-                         {"baseline_m", findings.baseline_m},
-                         {"rig_correction_px", ToJson(findings.rig_correction_px)},
-                         {"frames", findings.frames},
-                         {"guessed", ToJson(findings.guessed)},
-                         {"breaks", findings.breaks},
-                         {"pieces", ToJson(findings.pieces)}}}};
+  report["verdict"] = {
+      {"scale_95_pct", ToJson(accuracy.scale_95_pct)},
+      {"position_95_m", ToJson(accuracy.position_95_m)},
+      {"accuracy_asked_pct", findings.accuracy_asked_pct},
+      {"known",
+       {{"path_m", accuracy.path_m},
+        {"scale_95_pct_of_noise", ToJson(accuracy.noise_95_pct)},
+        {"scale_95_pct_of_baseline", ToJson(accuracy.baseline_95_pct)},
+        {"baseline_m", findings.baseline_m},
+        {"rig_correction_px", ToJson(findings.rig_correction_px)},
+        {"frames", findings.frames},
+        {"guessed", ToJson(findings.guessed)},
+        {"guessed_95_m",
+         findings.guessed.empty() ? Report(nullptr) : ToJson(std::optional(findings.guessed_95_m))},
+        {"breaks", findings.breaks},
+        {"pieces", ToJson(findings.pieces)}}}};
   std::string text;
   if (accuracy.scale_95_pct && !std::isfinite(*accuracy.scale_95_pct)) {
     text = "of metres nothing is known; ";
   } else if (accuracy.scale_95_pct) {
     text = fmt::format("metres good to {}; ", HowGood(accuracy));
+    if (!findings.guessed.empty()) {
+      text += fmt::format("{} of {} poses are guessed, the worst to {}; ", findings.GuessedCount(),
+                          findings.frames, LengthText(findings.guessed_95_m));
+    }
   }
   report["verdict"]["text"] = text + AboutRig(inputs);
   report["depth_consistency"] = ReportDepthConsistency(inputs.depth_consistency);
