@@ -1,5 +1,5 @@
-"""Simulated parts for tools/torture and tools/sigmas: written once, reconstructed up to the
-adjustment, and compared with the truth where something could be seen."""
+"""Parts for tools/torture, tools/sigmas and tools/spoilt: simulated once, reconstructed up to the
+adjustment, compared with the truth where something could be seen, and judged."""
 import dataclasses
 import json
 import shutil
@@ -62,6 +62,17 @@ def reconstruct(dataset, result, build, options, parts=1):
     if run.returncode not in (0, 3):
         raise Failure('rigmap', run)
     return run.returncode, (run.stderr.strip().splitlines() or [''])[-1]
+
+
+ACCURACY_PCT = 1.0  # rigmap's default
+MAX_STATED = 2.0  # times the stated 95 %
+
+
+def is_right(scale_pct, ate_pct, scale_95_pct, position_95_pct):
+    """Whether errors are within the accuracy asked for and twice what was stated. What is not a
+    number is not: neither comparison holds."""
+    return (abs(scale_pct) <= min(ACCURACY_PCT, MAX_STATED * scale_95_pct) and
+            ate_pct <= min(ACCURACY_PCT, MAX_STATED * position_95_pct))
 
 
 def truth_of(folder):

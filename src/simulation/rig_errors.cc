@@ -2,13 +2,19 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <cstdint>
 #include <numbers>
 #include <string_view>
 
+#include "adjustment/calibration.h"
+#include "adjustment/calibration_prior.h"
 #include "core/error.h"
+#include "simulation/internal/seeded_noise.h"
 
 namespace rigmap {
 namespace {
@@ -33,12 +39,31 @@ void ScaleBaseline(StereoRig& rig, double per_cent) {
   rig.right_from_left.translation *= 1.0 + per_cent / 100.0;
 }
 
+// What a rig file may be off by as the adjustment takes it to be, in all parameters at once. Focal
+// lengths err with Student's t of three degrees of freedom.
+CalibrationVector DrawnError(const StereoRig& rig, std::uint64_t seed) {
+  const CalibrationMatrix covariance = PriorOf(rig, AdjustmentOptions()).information.inverse();
+  SeededNoise noise(seed, "rig file");
+  const auto normal = [&] { return noise.Normal(1.0); };
+  const CalibrationVector error =
+      covariance.llt().matrixL() * CalibrationVector::NullaryExpr(normal);
+  const double squares = Eigen::Array3d::NullaryExpr(normal).square().sum();
+  CalibrationVector heavy = error;
+  heavy(kLogFocal) /= std::sqrt(squares / 3.0);
+  return heavy;
+}
+
+template <int kTimes>
+void AddDrawnError(StereoRig& rig, double seed) {
+  rig = Corrected(rig, kTimes * DrawnError(rig, static_cast<std::uint64_t>(std::abs(seed))));
+}
+
 struct RigError {
   std::string_view name, meaning;
   void (*apply)(StereoRig& rig, double value);
 };
 
-constexpr std::array<RigError, 10> kRigErrors{{
+constexpr std::array<RigError, 12> kRigErrors{{
     {"turn-x", "degrees that the right eye is turned about its x axis (pitch)", &TurnRightEye<0>},
     {"turn-y", "about its y axis (yaw)", &TurnRightEye<1>},
     {"turn-z", "about its z axis (roll)", &TurnRightEye<2>},
@@ -54,6 +79,9 @@ constexpr std::array<RigError, 10> kRigErrors{{
        rig.left.camera.k1 += k1;
        rig.right.camera.k1 += k1;
      }},
+    {"drawn", "all but the baseline, as rigmap expects them of a rig file; the value is a seed",
+     &AddDrawnError<1>},
+    {"drawn-double", "the same, twice as large", &AddDrawnError<2>},
     {"baseline", "per cent, length of the baseline: no gate can see it", &ScaleBaseline},
 }};
 

@@ -1,10 +1,13 @@
 #include "simulation/rig_errors.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include <array>
 #include <numbers>
 
+#include "adjustment/calibration.h"
+#include "adjustment/calibration_prior.h"
 #include "core/error.h"
 #include "tests/support/message_of.h"
 #include "tests/support/synthetic_rover.h"
@@ -38,6 +41,31 @@ TEST(RigErrors, EachChangesWhatItSays) {
   EXPECT_NEAR(With("focal=0.5").right.camera.fy, 1.005 * rig.right.camera.fy, 1e-9);
   EXPECT_NEAR(With("k1=0.01").left.camera.k1, rig.left.camera.k1 + 0.01, 1e-12);
   EXPECT_NEAR(With("baseline=-1").Baseline(), 0.99 * rig.Baseline(), 1e-12);
+}
+
+TEST(RigErrors, DrawsAreThosePriorsExpect) {
+  const StereoRig rig = LocCamRig();
+  const CalibrationPrior prior = PriorOf(rig, {});
+  CalibrationVector squares = CalibrationVector::Zero();
+  double over_covariance = 0.0;
+  constexpr int kDraws = 600;
+  for (int seed = 1; seed <= kDraws; ++seed) {
+    const StereoRig told = With(fmt::format("drawn={}", seed));
+    EXPECT_NEAR(told.Baseline(), rig.Baseline(), 1e-12);
+    CalibrationVector error = CorrectionBetween(rig, told);
+    squares += error.cwiseAbs2();
+    error(kLogFocal) = 0.0;  // whose tail is heavy
+    over_covariance += error.dot(prior.information * error) / kDraws;
+  }
+  for (int i = 0; i < kCalibrationSize; ++i) {
+    if (i == kLogFocal) continue;
+    EXPECT_NEAR(std::sqrt(squares(i) / kDraws) / prior.sigmas(i), 1.0, 0.1) << i;
+  }
+  // Sixteen parameters: the focal length hangs together with none of them.
+  EXPECT_NEAR(over_covariance, kCalibrationSize - 1, 0.9);
+  const CalibrationVector once = CorrectionBetween(rig, With("drawn=7")),
+                          twice = CorrectionBetween(rig, With("drawn-double=7"));
+  EXPECT_LT((twice - 2.0 * once).norm(), 1e-6 * once.norm());
 }
 
 TEST(RigErrors, NonsenseIsRefusedByName) {
