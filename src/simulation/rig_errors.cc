@@ -39,18 +39,12 @@ void ScaleBaseline(StereoRig& rig, double per_cent) {
   rig.right_from_left.translation *= 1.0 + per_cent / 100.0;
 }
 
-// What a rig file may be off by as the adjustment takes it to be, in all parameters at once. Focal
-// lengths err with Student's t of three degrees of freedom.
+// What a rig file may be off by as the adjustment takes it to be, in all parameters at once.
 CalibrationVector DrawnError(const StereoRig& rig, std::uint64_t seed) {
   const CalibrationMatrix covariance = PriorOf(rig, AdjustmentOptions()).information.inverse();
   SeededNoise noise(seed, "rig file");
   const auto normal = [&] { return noise.Normal(1.0); };
-  const CalibrationVector error =
-      covariance.llt().matrixL() * CalibrationVector::NullaryExpr(normal);
-  const double squares = Eigen::Array3d::NullaryExpr(normal).square().sum();
-  CalibrationVector heavy = error;
-  heavy(kLogFocal) /= std::sqrt(squares / 3.0);
-  return heavy;
+  return covariance.llt().matrixL() * CalibrationVector::NullaryExpr(normal);
 }
 
 template <int kTimes>
