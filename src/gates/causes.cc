@@ -18,6 +18,11 @@ constexpr std::string_view kManyDrives =
     "rig.yaml makes one calibration of all their results; then run this one again with --rig "
     "rig.yaml";
 
+constexpr std::string_view kWithoutGaps = "take a stretch without gaps (--frames)";
+constexpr std::string_view kWithCorrectedRig =
+    "run it again with --rig and the rig_refined.yaml of this result: with the rig file as it was, "
+    "stereo matches were missed; else take a stretch without gaps (--frames)";
+
 constexpr std::string_view kOverlap =
     "cut the parts so that they share frames (--overlap), or bridge the gap by images of the same "
     "ground; else take each world for itself";
@@ -35,7 +40,9 @@ Origin OriginOf(const Failed& failed) {
   };
   constexpr double kMost = 0.5;  // of the variance
   if (failed.findings().breaks > 0) {
-    return {"part of the way is guessed", "take a stretch without gaps (--frames)"};
+    constexpr double kMissesMatches_px = 1.0;  // of the rows that stereo matches are looked for in
+    const bool was_off = failed.findings().rig_correction_px.value_or(0.0) > kMissesMatches_px;
+    return {"part of the way is guessed", was_off ? kWithCorrectedRig : kWithoutGaps};
   }
   if (!accuracy.noise_95_pct) {
     return {"the errors of single steps add up",

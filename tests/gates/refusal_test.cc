@@ -174,7 +174,13 @@ TEST(RefusalOf, AdvisesAgainstWhatTheUncertaintyComesFrom) {
   findings.accuracy.baseline_95_pct = 1.1;
   EXPECT_THAT(advice(findings), HasSubstr("measure the baseline"));
   findings.breaks = 1;
-  EXPECT_THAT(advice(findings), HasSubstr("without gaps"));
+  EXPECT_THAT(advice(findings), AllOf(HasSubstr("without gaps"), Not(HasSubstr("rig_refined"))));
+  // Stereo matches are looked for in the rows that the rig file names: with one that was off by
+  // more than they search, a corrected rig may close the gap.
+  findings.rig_correction_px = 8.9;
+  EXPECT_THAT(advice(findings), AllOf(HasSubstr("rig_refined.yaml"), HasSubstr("without gaps")));
+  findings.rig_correction_px = 0.4;
+  EXPECT_THAT(advice(findings), Not(HasSubstr("rig_refined")));
 }
 
 TEST(RefusalOf, ADenseMapThatIsOffLeavesTheTrajectory) {
