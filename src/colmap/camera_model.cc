@@ -9,6 +9,7 @@ namespace {
 
 constexpr int kPinhole = 1;
 constexpr int kOpenCv = 4;
+constexpr int kFullOpenCv = 6;
 constexpr std::array kNames{"SIMPLE_PINHOLE",
                             "PINHOLE",
                             "SIMPLE_RADIAL",
@@ -32,12 +33,16 @@ ColmapCamera ToColmap(const Camera& camera) {
   for (const double value : {camera.k1, camera.k2, camera.p1, camera.p2}) {
     result.parameters.push_back(value);
   }
+  if (camera.k3 == 0.0) return result;
+  result.model = kFullOpenCv;
+  for (const double value : {camera.k3, 0.0, 0.0, 0.0}) result.parameters.push_back(value);
   return result;
 }
 
 std::optional<std::size_t> ParameterCount(int model) {
   if (model == kPinhole) return 4;
   if (model == kOpenCv) return 8;
+  if (model == kFullOpenCv) return 12;
   return std::nullopt;
 }
 
@@ -53,6 +58,7 @@ Camera FromColmap(const ColmapCamera& colmap_camera, int width, int height) {
   camera.k2 = values.at(5);
   camera.p1 = values.at(6);
   camera.p2 = values.at(7);
+  if (colmap_camera.model == kFullOpenCv) camera.k3 = values.at(8);
   return camera;
 }
 

@@ -99,8 +99,8 @@ SparseCamera ReadCamera(Reader& reader) {
   }
   const auto count = ParameterCount(camera.model);
   if (!count) {
-    throw reader.Damaged(
-        fmt::format("expected camera model PINHOLE or OPENCV, found {}", ModelName(camera.model)));
+    throw reader.Damaged(fmt::format(
+        "expected camera model PINHOLE, OPENCV or FULL_OPENCV, found {}", ModelName(camera.model)));
   }
   for (std::size_t i = 0; i < *count; ++i) camera.parameters.push_back(reader.TakeFinite());
   return {eye, FromColmap(camera, static_cast<int>(width), static_cast<int>(height))};

@@ -34,25 +34,48 @@ void RefuseFisheye(const YamlNode& model) {
                  [](unsigned char letter) { return static_cast<char>(std::toupper(letter)); });
   for (const std::string_view fisheye : kFisheyeNames) {
     if (name.find(fisheye) != std::string::npos) {
-      throw Complaint(model, fmt::format("expected model PINHOLE or OPENCV, found the fisheye "
-                                         "model '{}', which is not supported",
-                                         model.scalar));
+      throw Complaint(
+          model, fmt::format("expected model PINHOLE, OPENCV or FULL_OPENCV, found the fisheye "
+                             "model '{}', which is not supported",
+                             model.scalar));
     }
   }
 }
 
-void RefuseHigherDistortion(const YamlNode& eye) {
-  constexpr const char* kExpected = "expected distortion: [k1, k2, p1, p2], found";
-  for (const char* key : {"k3", "k4", "k5", "k6"}) {
+constexpr std::size_t kOpenCvNumbers = 4, kFullOpenCvNumbers = 8;
+
+void RefuseMisplacedDistortion(const YamlNode& eye) {
+  for (const char* key : {"k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6"}) {
     if (const YamlNode* node = eye.Find(key)) {
-      throw Complaint(*node, fmt::format("{} {}, which is not supported", kExpected, key));
+      throw Complaint(*node,
+                      fmt::format("expected {} in distortion: [k1, k2, p1, p2], or [k1, k2, "
+                                  "p1, p2, k3, 0, 0, 0] of model FULL_OPENCV, found it alone",
+                                  key));
     }
   }
-  const YamlNode* distortion = eye.Find("distortion");
-  if (distortion && distortion->items.size() > 4) {
-    throw Complaint(*distortion, fmt::format("{} {} numbers: k3 is not supported", kExpected,
-                                             distortion->items.size()));
+}
+
+// k1, k2, p1, p2, k3: of the model FULL_OPENCV all eight numbers, or OpenCV's first five.
+std::vector<double> ReadFullDistortion(const YamlNode& node) {
+  auto numbers = node.AsDoubles(node.items.size() == 5 ? 5 : kFullOpenCvNumbers);
+  numbers.resize(kFullOpenCvNumbers);
+  if (std::any_of(numbers.begin() + 5, numbers.end(), [](double k) { return k != 0.0; })) {
+    throw Complaint(node, fmt::format("expected distortion: [k1, k2, p1, p2, k3, 0, 0, 0], found "
+                                      "[{}]: k4, k5 and k6 are not supported",
+                                      fmt::join(numbers, ", ")));
   }
+  return numbers;
+}
+
+std::vector<double> ReadPlainDistortion(const YamlNode& node) {
+  if (node.items.size() > kOpenCvNumbers) {
+    throw Complaint(node, fmt::format("expected distortion: [k1, k2, p1, p2], found {} numbers: k3 "
+                                      "is of the model FULL_OPENCV",
+                                      node.items.size()));
+  }
+  auto numbers = node.AsDoubles(kOpenCvNumbers);
+  numbers.push_back(0.0);
+  return numbers;
 }
 
 int ReadSize(const YamlNode& node) {
@@ -71,21 +94,22 @@ double ReadFocal(const YamlNode& node) {
 
 void ReadDistortion(const YamlNode& eye, Camera& camera) {
   const YamlNode& model = eye.At("model");
-  if (model.scalar != "PINHOLE" && model.scalar != "OPENCV") {
-    throw Complaint(model,
-                    fmt::format("expected model PINHOLE or OPENCV, found '{}'", model.scalar));
+  const bool pinhole = model.scalar == "PINHOLE", full = model.scalar == "FULL_OPENCV";
+  if (!pinhole && !full && model.scalar != "OPENCV") {
+    throw Complaint(model, fmt::format("expected model PINHOLE, OPENCV or FULL_OPENCV, found '{}'",
+                                       model.scalar));
   }
-  const bool pinhole = model.scalar == "PINHOLE";
   if (pinhole && !eye.Find("distortion")) return;
-  const auto numbers = eye.At("distortion").AsDoubles(4);
+  const YamlNode& distortion = eye.At("distortion");
+  const auto numbers = full ? ReadFullDistortion(distortion) : ReadPlainDistortion(distortion);
   camera.k1 = numbers[0];
   camera.k2 = numbers[1];
   camera.p1 = numbers[2];
   camera.p2 = numbers[3];
+  camera.k3 = numbers[4];
   if (pinhole && !camera.IsPinhole()) {
-    throw Complaint(eye.At("distortion"),
-                    fmt::format("expected no distortion for model PINHOLE, found [{}]",
-                                fmt::join(numbers, ", ")));
+    throw Complaint(distortion, fmt::format("expected no distortion for model PINHOLE, found [{}]",
+                                            fmt::join(numbers, ", ")));
   }
 }
 
@@ -125,7 +149,7 @@ PixelRegion ReadRegion(const YamlNode& node, const Camera& camera) {
 RigEye ReadEye(const YamlNode& node, const std::filesystem::path& folder) {
   RigEye eye;
   RefuseFisheye(node.At("model"));
-  RefuseHigherDistortion(node);
+  RefuseMisplacedDistortion(node);
   node.RequireKeys({"model", "width", "height", "fx", "fy", "cx", "cy", "distortion",
                     "calibrated_region", "mask"});
   eye.camera = ReadCamera(node);

@@ -1,9 +1,11 @@
 // The calibration of a stereo rig as a YAML file.
 //
-//   left, right:       model: PINHOLE | OPENCV
+//   left, right:       model: PINHOLE | OPENCV | FULL_OPENCV
 //                      width, height          pixels
 //                      fx, fy, cx, cy         pixels; the centre of the first pixel is (0, 0)
-//                      distortion             [k1, k2, p1, p2]; may be left out for PINHOLE
+//                      distortion             [k1, k2, p1, p2]; may be left out for PINHOLE; of
+//                                             FULL_OPENCV [k1, k2, p1, p2, k3, k4, k5, k6] with
+//                                             k4 to k6 of 0, or its first five numbers
 //                      calibrated_region      optional [x0, y0, x1, y1], pixels, inclusive
 //                      mask                   optional image, path relative to this file;
 //                                             where it is 0 the eye is not used
@@ -36,9 +38,10 @@
 namespace rigmap {
 
 // Throws DataError naming file, line, what was expected and what was found: for any other key,
-// fisheye models and k3 (by name), numbers that are not finite, R further than 1e-3 from a rotation
-// (closer ones are made exact), a principal point outside the image, a right camera that is not to
-// the right of the left one, a mask that does not exist. A calibrated_region is cut to the image.
+// fisheye models and k4 to k6 (by name), numbers that are not finite, R further than 1e-3 from a
+// rotation (closer ones are made exact), a principal point outside the image, a right camera that
+// is not to the right of the left one, a mask that does not exist. A calibrated_region is cut to
+// the image.
 StereoRig ReadRigFile(const std::filesystem::path& path);
 
 // The same of a text; `name` is what errors call it, and what relative paths are relative to.

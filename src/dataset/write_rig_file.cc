@@ -25,9 +25,12 @@ std::string FormatEye(const RigEye& eye) {
   const Camera& camera = eye.camera;
   std::string text = fmt::format(
       "  model: {}\n  width: {}\n  height: {}\n  fx: {}\n  fy: {}\n  cx: {}\n  cy: {}\n"
-      "  distortion: [{}, {}, {}, {}]\n",
-      camera.IsPinhole() ? "PINHOLE" : "OPENCV", camera.width, camera.height, camera.fx, camera.fy,
-      camera.cx, camera.cy, camera.k1, camera.k2, camera.p1, camera.p2);
+      "  distortion: [{}, {}, {}, {}{}]\n",
+      camera.IsPinhole() ? "PINHOLE"
+      : camera.k3 == 0.0 ? "OPENCV"
+                         : "FULL_OPENCV",
+      camera.width, camera.height, camera.fx, camera.fy, camera.cx, camera.cy, camera.k1, camera.k2,
+      camera.p1, camera.p2, camera.k3 == 0.0 ? "" : fmt::format(", {}, 0, 0, 0", camera.k3));
   if (const auto& region = eye.calibrated_region) {
     text += fmt::format("  calibrated_region: [{}, {}, {}, {}]\n", region->x0, region->y0,
                         region->x1, region->y1);

@@ -7,13 +7,13 @@
 namespace rigmap {
 
 // Pixels in OpenCV's convention: the centre of the first pixel is (0, 0). With zero distortion
-// this is PINHOLE, else OPENCV, in COLMAP's and in the rig files' terms.
+// this is PINHOLE, without k3 OPENCV, else FULL_OPENCV, in COLMAP's and in the rig files' terms.
 struct Camera {
   int width = 0, height = 0;
-  double fx = 0.0, fy = 0.0, cx = 0.0, cy = 0.0;  // px
-  double k1 = 0.0, k2 = 0.0, p1 = 0.0, p2 = 0.0;  // of OpenCV's distortion model
+  double fx = 0.0, fy = 0.0, cx = 0.0, cy = 0.0;            // px
+  double k1 = 0.0, k2 = 0.0, p1 = 0.0, p2 = 0.0, k3 = 0.0;  // of OpenCV's distortion model
 
-  bool IsPinhole() const { return k1 == 0.0 && k2 == 0.0 && p1 == 0.0 && p2 == 0.0; }
+  bool IsPinhole() const { return k1 == 0.0 && k2 == 0.0 && p1 == 0.0 && p2 == 0.0 && k3 == 0.0; }
   double MeanFocal() const { return 0.5 * (fx + fy); }
   // True for a pixel whose centre lies in the image.
   bool Contains(const Eigen::Vector2d& pixel) const {
@@ -32,6 +32,10 @@ Eigen::Vector2d Distort(const Camera& camera, const Eigen::Vector2d& normalised,
 // Pixel -> normalised coordinates, by Newton's method, to 1e-10; nothing where the distortion has
 // no inverse (far outside the image).
 std::optional<Eigen::Vector2d> Undistort(const Camera& camera, const Eigen::Vector2d& pixel);
+
+// True for a ray nearer to the axis than where the radial distortion folds back: beyond it a pixel
+// would be seen a second time.
+bool IsInsideFold(const Camera& camera, const Eigen::Vector2d& normalised);
 
 // Pixel of a point in camera axes, in the image or not; nothing for one not in front of the camera
 // or so far aside that the distortion's polynomial would fold it back towards the image.

@@ -37,7 +37,7 @@ void serialize(Archive& archive, Sim3& similarity) {
 template <class Archive>
 void serialize(Archive& archive, Camera& camera) {
   archive(camera.width, camera.height, camera.fx, camera.fy, camera.cx, camera.cy, camera.k1,
-          camera.k2, camera.p1, camera.p2);
+          camera.k2, camera.p1, camera.p2, camera.k3);
 }
 
 }  // namespace rigmap

@@ -29,19 +29,12 @@ struct Bounds {
   }
 };
 
-// Whether the distortion still grows outwards at the undistorted ray: beyond its turning point the
-// model folds back, and rays from outside the view would show the image once more.
-bool Unfolded(const Camera& camera, const Eigen::Vector2d& normalised) {
-  const double r2 = normalised.squaredNorm();
-  return 1.0 + 3.0 * camera.k1 * r2 + 5.0 * camera.k2 * r2 * r2 > 0.0;
-}
-
 // The rectified ray of a pixel; nothing where the calibration has no inverse.
 std::optional<Eigen::Vector2d> RectifiedRay(const Camera& camera,
                                             const Eigen::Quaterniond& rectified_from_eye,
                                             const Eigen::Vector2d& pixel) {
   const std::optional<Eigen::Vector2d> normalised = Undistort(camera, pixel);
-  if (!normalised || !Unfolded(camera, *normalised)) return std::nullopt;
+  if (!normalised || !IsInsideFold(camera, *normalised)) return std::nullopt;
   const Eigen::Vector3d ray = rectified_from_eye * normalised->homogeneous();
   if (ray.z() <= 0.0) return std::nullopt;
   return ray.hnormalized();
@@ -127,7 +120,7 @@ Rectifier::Maps Rectifier::MakeMaps(const Camera& eye,
     for (int column = 0; column < camera_.width; ++column) {
       const Eigen::Vector3d ray = rotation * Eigen::Vector3d((column - camera_.cx) / camera_.fx,
                                                              (row - camera_.cy) / camera_.fy, 1.0);
-      if (ray.z() <= 0.0 || !Unfolded(eye, ray.hnormalized())) continue;
+      if (ray.z() <= 0.0 || !IsInsideFold(eye, ray.hnormalized())) continue;
       const Eigen::Vector2d pixel = Distort(eye, ray.hnormalized());
       if (!eye.Contains(pixel)) continue;
       maps.x.at<float>(row, column) = static_cast<float>(pixel.x());

@@ -112,7 +112,7 @@ std::string CameraTable(const FigureSource& summary) {
          is_equal(key) ? "the same" : Figure(summary, "/rig/used" + key, Quantity::kCalibration)});
   };
   for (const std::string eye : {"left", "right"}) {
-    for (const std::string parameter : {"fx", "fy", "cx", "cy", "k1", "k2", "p1", "p2"}) {
+    for (const std::string parameter : {"fx", "fy", "cx", "cy", "k1", "k2", "p1", "p2", "k3"}) {
       const bool is_px = parameter[0] == 'f' || parameter[0] == 'c';
       row(fmt::format("{} {}{}", eye, parameter, is_px ? ", px" : ""),
           fmt::format("/{}/{}", eye, parameter));

@@ -69,6 +69,17 @@ std::string Refusal(const std::filesystem::path& folder) {
   return "nothing was thrown";
 }
 
+TEST(ModelIo, LensWithK3IsCOLMAPsFullOpenCv) {
+  const TemporaryFolder folder;
+  SparseModel model = RandomModel(10);
+  model.cameras[0].camera.k3 = 0.03;
+  WriteModel(model, folder.Path() / "0");
+  const Camera read = ReadModel(folder.Path() / "0").cameras[0].camera;
+  EXPECT_EQ(read.k3, 0.03);
+  EXPECT_EQ(read.p2, model.cameras[0].camera.p2);
+  EXPECT_EQ(ReadTextFile(folder.Path() / "0" / "cameras.bin")[12], 6);  // behind count and id
+}
+
 TEST(ModelIo, ComesBackAsItWas) {
   const TemporaryFolder folder;
   const SparseModel model = RandomModel(10);

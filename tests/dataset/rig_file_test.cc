@@ -22,7 +22,7 @@ void ExpectEqual(const Camera& a, const Camera& b) {
   EXPECT_EQ(a.width, b.width);
   EXPECT_EQ(a.height, b.height);
   const auto numbers = [](const Camera& c) {
-    return std::array{c.fx, c.fy, c.cx, c.cy, c.k1, c.k2, c.p1, c.p2};
+    return std::array{c.fx, c.fy, c.cx, c.cy, c.k1, c.k2, c.p1, c.p2, c.k3};
   };
   EXPECT_EQ(numbers(a), numbers(b));
 }
@@ -193,11 +193,21 @@ TEST_F(RigFileTest, MissingKeysAreNamed) {
   EXPECT_THAT(Complaint("", "\n"), HasSubstr("key 'left' is missing"));
 }
 
-TEST_F(RigFileTest, K3IsRefusedByName) {
+TEST_F(RigFileTest, K3IsOfTheModelFullOpenCv) {
+  const std::string full = Replaced(SampleRigText(), "model: OPENCV", "model: FULL_OPENCV");
+  const StereoRig eight = Read(Replaced(full, "-0.002]", "-0.002, 0.03, 0, 0, 0]"));
+  EXPECT_EQ(eight.left.camera.k3, 0.03);
+  EXPECT_EQ(eight.left.camera.p2, -0.002);
+  const StereoRig five = Read(Replaced(full, "-0.002]", "-0.002, 0.03]"));
+  EXPECT_EQ(five.left.camera.k3, 0.03);
+  ExpectEqual(Read(WriteRigFile(eight)).left, eight.left);
+  EXPECT_THAT(Complaint("", Replaced(full, "-0.002]", "-0.002, 0.03, 0, 0.1, 0]")),
+              AllOf(HasSubstr("rig.yaml:9: "), HasSubstr("k4, k5 and k6 are not supported")));
+  EXPECT_THAT(Complaint("", full), HasSubstr("rig.yaml:9: expected a list of 8 numbers"));
   EXPECT_THAT(Complaint("-0.002]", "-0.002, 0]"),
-              AllOf(HasSubstr("rig.yaml:9: "), HasSubstr("5 numbers: k3 is not supported")));
+              AllOf(HasSubstr("rig.yaml:9: "), HasSubstr("5 numbers: k3 is of the model FULL_")));
   EXPECT_THAT(Complaint("  fx: 30.5", "  k3: 0.1\n  fx: 30.5"),
-              AllOf(HasSubstr("rig.yaml:5: "), HasSubstr("k3, which is not supported")));
+              AllOf(HasSubstr("rig.yaml:5: "), HasSubstr("expected k3 in distortion")));
 }
 
 TEST_F(RigFileTest, OtherModelsAreRefusedByName) {
@@ -206,7 +216,7 @@ TEST_F(RigFileTest, OtherModelsAreRefusedByName) {
                 AllOf(HasSubstr("rig.yaml:2: "), HasSubstr("fisheye model"), HasSubstr(model)));
   }
   EXPECT_THAT(Complaint("model: OPENCV", "model: RADIAL"),
-              HasSubstr("expected model PINHOLE or OPENCV, found 'RADIAL'"));
+              HasSubstr("expected model PINHOLE, OPENCV or FULL_OPENCV, found 'RADIAL'"));
 }
 
 TEST_F(RigFileTest, PinholeMustHaveNoDistortion) {

@@ -14,13 +14,15 @@
 namespace rigmap {
 namespace {
 
-// A drone's rig: tangential distortion, the right camera turned, raised and set forward.
+// A drone's rig: tangential distortion and k3, the right camera turned, raised and set forward.
 StereoRig DroneRig() {
   StereoRig rig;
   rig.left.camera = {752,   480,       458.7,      457.3,    367.2,
                      248.4, -0.283408, 0.07395907, 0.000194, 1.76e-5};
   rig.right.camera = {752,   480,        457.6,      456.1,     380.0,
                       255.2, -0.2836837, 0.07451284, -0.000105, -3.556e-5};
+  rig.left.camera.k3 = 0.004;
+  rig.right.camera.k3 = -0.003;
   rig.right_from_left = {ExpRotation({-0.0141, 0.02, -0.01}), {-0.11, 0.004, -0.006}};
   return rig;
 }
@@ -28,7 +30,9 @@ StereoRig DroneRig() {
 cv::Matx33d Intrinsics(const Camera& camera) {
   return {camera.fx, 0.0, camera.cx, 0.0, camera.fy, camera.cy, 0.0, 0.0, 1.0};
 }
-cv::Vec4d Distortion(const Camera& camera) { return {camera.k1, camera.k2, camera.p1, camera.p2}; }
+cv::Vec<double, 5> Distortion(const Camera& camera) {
+  return {camera.k1, camera.k2, camera.p1, camera.p2, camera.k3};
+}
 cv::Matx33d ToCv(const Eigen::Quaterniond& rotation) {
   const Eigen::Matrix3d m = rotation.toRotationMatrix();
   return {m(0, 0), m(0, 1), m(0, 2), m(1, 0), m(1, 1), m(1, 2), m(2, 0), m(2, 1), m(2, 2)};

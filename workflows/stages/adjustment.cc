@@ -136,8 +136,9 @@ void PublishAdjusted(Publication& publication, const StageContext& context,
 }
 
 Report CameraReport(const Camera& camera) {
-  return {{"fx", camera.fx}, {"fy", camera.fy}, {"cx", camera.cx}, {"cy", camera.cy},
-          {"k1", camera.k1}, {"k2", camera.k2}, {"p1", camera.p1}, {"p2", camera.p2}};
+  return {{"fx", camera.fx}, {"fy", camera.fy}, {"cx", camera.cx},
+          {"cy", camera.cy}, {"k1", camera.k1}, {"k2", camera.k2},
+          {"p1", camera.p1}, {"p2", camera.p2}, {"k3", camera.k3}};
 }
 
 Report RigReport(const StereoRig& rig) {
