@@ -33,7 +33,7 @@ struct Arguments {
   std::string rig, out;
   double image_scale = 1.0;
   int threads = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
-  bool force = false, quiet = false;
+  bool force = false, quiet = false, rig_only = false;
 };
 
 void AddOptions(CLI::App& app, Arguments& a) {
@@ -65,9 +65,15 @@ void AddOptions(CLI::App& app, Arguments& a) {
   app.add_option("--part", r.part, "Part to call it")->capture_default_str();
   app.add_option("--depth-every", r.depth_every, "Frames from one true depth map to the next")
       ->capture_default_str();
+  app.add_flag("!--no-surface", r.true_surface,
+               "Leave the true surface out, which takes longer than the images of a short drive; "
+               "without it maps cannot be judged");
   app.add_option("--markers", r.markers, "Discs in the sand to check the cameras with")
       ->capture_default_str();
   app.add_option("--threads", a.threads, "Threads; default: one per core");
+  app.add_flag("--rig-only", a.rig_only,
+               "Write data/rig.yaml and truth/rig.yaml alone: another --rig-error for images that "
+               "are there already");
   app.add_flag("--force", a.force, "Replace the output folder, whatever it holds");
   app.add_flag("--quiet", a.quiet, "No progress, errors only");
   app.add_option("--rig-error", r.rig_errors,
@@ -109,7 +115,9 @@ int Main(int argc, char** argv) {
       ReadRigFile(a.rig.empty() ? ConfigFile("rigs/loccam.yaml") : fs::path(a.rig)), a.image_scale);
   cv::setNumThreads(1);
   Job(a.threads, a.quiet).Run([&] {
-    WriteFolderAtomically(a.out, [&](const fs::path& folder) { SimulatePart(a.request, folder); });
+    WriteFolderAtomically(a.out, [&](const fs::path& folder) {
+      (a.rig_only ? WriteRigFiles : SimulatePart)(a.request, folder);
+    });
   });
   return 0;
 }

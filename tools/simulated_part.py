@@ -37,25 +37,37 @@ def repeat(option, values):
 
 
 def simulate(part, folder, build):
-    """Writes folder/data and folder/truth unless an equal request has."""
+    """Writes folder/data and folder/truth, without the true surface, unless an equal request has."""
     note = folder.with_suffix('.request')
     if folder.exists() and note.exists() and note.read_text() == ' '.join(part.request()):
         return  # an earlier run made it
     note.unlink(missing_ok=True)
     folder.parent.mkdir(parents=True, exist_ok=True)
-    run = subprocess.run([build / 'rigmap-simulate', *part.request(), '--out', folder, '--threads',
-                          '1', '--depth-every', '1000', '--quiet', '--force'],
-                         capture_output=True, text=True)
-    if run.returncode != 0:
-        raise Failure('simulator', run)
+    run_simulator(build, part.request() + ['--out', folder, '--threads', '1', '--depth-every', '1000',
+                                           '--no-surface'])
     note.write_text(' '.join(part.request()))
 
 
-def reconstruct(dataset, result, build, options, parts=1):
-    """Up to the adjustment, anew, in so many parts. The exit code, 0 or 3, and the last line of what
-    was said."""
+def write_rig(part, folder, build):
+    """The rig file that the part's errors make of the rig as it is."""
+    run_simulator(build, part.request() + ['--rig-only', '--out', folder])
+    return folder / 'data' / 'rig.yaml'
+
+
+def run_simulator(build, arguments):
+    run = subprocess.run([build / 'rigmap-simulate', *arguments, '--quiet', '--force'],
+                         capture_output=True, text=True)
+    if run.returncode != 0:
+        raise Failure('simulator', run)
+
+
+def reconstruct(dataset, result, build, options, parts=1, rig=None):
+    """Up to the adjustment, anew, in so many parts, with that rig file or the data set's. The exit
+    code, 0 or 3, and the last line of what was said."""
     shutil.rmtree(result, ignore_errors=True)
     command = ['part'] if parts == 1 else ['run', '--split', str(parts)]
+    if rig:
+        command += ['--rig', rig]
     run = subprocess.run([build / 'rigmap', *command, '--dataset', dataset, '--out', result,
                           '--until', 'adjustment', '--threads', '1', '--quiet',
                           *repeat('--set', options)], capture_output=True, text=True)

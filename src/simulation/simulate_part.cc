@@ -136,6 +136,12 @@ void WriteRig(const StereoRig& rig, const RoverMount& mount, const fs::path& fil
 
 }  // namespace
 
+void WriteRigFiles(const SimulationRequest& request, const fs::path& folder) {
+  const RoverMount mount = MountOf(request.rig);
+  WriteRig(WithRigErrors(request.rig, request.rig_errors), mount, folder / "data" / "rig.yaml");
+  WriteRig(request.rig, mount, folder / "truth" / "rig.yaml");
+}
+
 void SimulatePart(const SimulationRequest& request, const fs::path& folder) {
   const DrivePlan plan = PlanDrive(request);
   const World world(plan.scene, plan.path.Outline(kOutlineStep_m));
@@ -152,8 +158,7 @@ void SimulatePart(const SimulationRequest& request, const fs::path& folder) {
   const auto saturated =
       WriteImages(Photographer(world, request.rig, plan, motion), frames, part / "LocCam");
   WriteSensors(request, plan, motion, part);
-  WriteRig(WithRigErrors(request.rig, request.rig_errors), mount, data / "rig.yaml");
-  WriteRig(request.rig, mount, truth / "rig.yaml");
+  WriteRigFiles(request, folder);
   WriteRockFiles(data, request.traverse, world.boulders(), local, request.seed);
 
   const TruthSetting setting{.rig = request.rig,
@@ -165,7 +170,7 @@ void SimulatePart(const SimulationRequest& request, const fs::path& folder) {
                              .unusable_frames = UnusableFrames(frames),
                              .gps_clock_offset_s = request.clock_offset_s};
   WriteTruthFiles(truth / name, TruthFrames(frames, saturated), setting, local);
-  WriteTruthOfSurface(world, request.rig, frames, truth / name);
+  if (request.true_surface) WriteTruthOfSurface(world, request.rig, frames, truth / name);
   WriteTruthOfDepth(world, request, frames, truth / name / "depth");
   WriteTruthRocks(truth / "rocks.json", world.boulders(), CameraPath(frames), local);
   if (request.markers > 0) WriteMarkers(world, truth / "markers.json");

@@ -25,6 +25,7 @@ struct SimulationRequest {
   double clock_offset_s = 0.35;         // of the satellite receiver against the images
   int traverse = 3, part = 1;           // what the data set's folders are called
   int depth_every = 20;                 // frames from one true depth map to the next
+  bool true_surface = true;             // truth/Part<P>/surface.ply, to judge maps by
   int markers = 0;            // discs to check the cameras with, listed in truth/markers.json
   double sand_cell_m = 0.01;  // of the sand's mesh near the path
 
@@ -36,5 +37,8 @@ struct SimulationRequest {
 // bytes, whatever the number of threads (TBB's). Both folders must not exist. Throws UsageError for
 // a request that cannot be met, DataError when a file cannot be written.
 void SimulatePart(const SimulationRequest& request, const std::filesystem::path& folder);
+
+// Of these files `data/rig.yaml` and `truth/rig.yaml` alone, at once.
+void WriteRigFiles(const SimulationRequest& request, const std::filesystem::path& folder);
 
 }  // namespace rigmap
