@@ -168,8 +168,13 @@ void ReadSensors(const fs::path& folder, Dataset& dataset) {
     return;
   }
   auto inclinometer = ReadInclinometer(folder / "imu.txt", dataset.frames);
-  dataset.inclinometer = std::move(inclinometer.samples);
   auto sensors = ReadRoverSensors(folder, dataset.frames);
+  if (sensors.inclinometer_problem.empty()) {
+    dataset.inclinometer = std::move(inclinometer.samples);
+  } else if (!inclinometer.samples.empty()) {
+    sensors.remarks.push_back(sensors.inclinometer_problem +
+                              " The inclinometer is not used: the ground or the camera tells up");
+  }
   dataset.wheels = std::move(sensors.wheels);
   dataset.inertial = std::move(sensors.inertial);
   auto& remarks = dataset.health.remarks;

@@ -19,6 +19,9 @@ namespace fs = std::filesystem;
 constexpr StampNs kBeforeNs = 30'000'000'000, kAfterNs = 2'000'000'000;
 // Rows of a busy logger come late by less; a clock that was set goes back by more.
 constexpr StampNs kMaxDisorderNs = 100'000'000;
+// A step as long as this many usual ones, and at least so long, is no row that came late.
+constexpr double kUsualSteps = 20.0, kShortestGap_s = 0.5;
+constexpr std::size_t kGapsNamed = 5;
 // Gravity is 9.78 to 9.83 m/s^2; a mean over a drive differs from it by the sensor's own scale and
 // bias. An inclinometer whose z axis is more than 45 degrees off up does not sit as z up.
 constexpr double kLeastGravity_mps2 = 9.0, kMostGravity_mps2 = 10.6, kLeastUpright = 0.7;
@@ -60,10 +63,19 @@ std::optional<InertialSample> ParseInertial(StampNs stamp_ns, std::string_view r
                         Eigen::Vector3d(n[6], n[7], n[8])};
 }
 
+double Seconds(StampNs duration_ns) { return 1e-9 * static_cast<double>(duration_ns); }
+
+// Between the row of this line and the one before it.
+struct LongStep {
+  int line = 0;
+  StampNs from_ns = 0, to_ns = 0;
+};
+
 template <class Record>
 struct RecordReading {
   Record record;
-  std::vector<std::string> remarks;
+  std::vector<std::string> remarks;  // on rows that were left out
+  std::vector<LongStep> long_steps;  // of kShortestGap_s or more, wherever in the file
 };
 
 // All rows that `parse` takes, within the span.
@@ -89,12 +101,15 @@ RecordReading<Record> ReadRecord(const fs::path& path, StampNs begin_ns, StampNs
     const auto sample = stamp_ns ? parse(*stamp_ns, rest) : std::nullopt;
     if (sample && *stamp_ns < last_ns - kMaxDisorderNs) {
       problem = fmt::format("{}:{}: expected rising stamps, found one {:.3f} s before that above",
-                            path.string(), line, 1e-9 * static_cast<double>(last_ns - *stamp_ns));
+                            path.string(), line, Seconds(last_ns - *stamp_ns));
       return reading;
     }
     if (!sample || *stamp_ns <= last_ns) {
       if (left_out++ == 0) first_left_out = line;
       continue;
+    }
+    if (used > 0 && Seconds(*stamp_ns - last_ns) >= kShortestGap_s) {
+      reading.long_steps.push_back({line, last_ns, *stamp_ns});
     }
     last_ns = *stamp_ns;
     ++used;
@@ -112,6 +127,37 @@ RecordReading<Record> ReadRecord(const fs::path& path, StampNs begin_ns, StampNs
     problem = fmt::format("{}: expected rows at the time of the images, found none", path.string());
   }
   return reading;
+}
+
+// Of a clock that was set forwards, or of a logger that stood still, while images were taken.
+template <class Record>
+std::vector<std::string> GapRemarks(const fs::path& path, const RecordReading<Record>& reading,
+                                    std::span<const StereoFrame> frames) {
+  const auto& samples = reading.record.samples;
+  std::vector<double> steps_s;
+  for (std::size_t i = 1; i < samples.size(); ++i) {
+    steps_s.push_back(Seconds(samples[i].stamp_ns - samples[i - 1].stamp_ns));
+  }
+  if (steps_s.empty()) return {};
+  const double usual_s = Median(std::move(steps_s));
+  const StampNs begin_ns = frames.front().stamp_ns, end_ns = frames.back().stamp_ns;
+  std::vector<std::string> remarks;
+  std::size_t gaps = 0;
+  for (const LongStep& step : reading.long_steps) {
+    const double step_s = Seconds(step.to_ns - step.from_ns);
+    if (step.to_ns <= begin_ns || step.from_ns >= end_ns || step_s < kUsualSteps * usual_s) {
+      continue;
+    }
+    if (++gaps > kGapsNamed) continue;
+    remarks.push_back(fmt::format(
+        "{}:{}: expected rows about every {:.3g} s, found none for {:.3f} s from {:.2f} s after "
+        "the first image: either rows are missing or the clock jumped forwards",
+        path.string(), step.line, usual_s, step_s, Seconds(step.from_ns - begin_ns)));
+  }
+  if (gaps > kGapsNamed) {
+    remarks.push_back(fmt::format("{}: and {} more such gaps", path.string(), gaps - kGapsNamed));
+  }
+  return remarks;
 }
 
 // Between two samples by rates, and by angles, of which full turns are taken off.
@@ -200,11 +246,20 @@ RoverSensorReading ReadRoverSensors(const fs::path& part_folder,
     wheels.record.problem = WheelProblem(wheel_path, wheels.record.samples);
     UnwrapDriveAngles(wheels.record.samples);
   }
-  if (inertial.record.problem.empty()) {
-    inertial.record.problem = InertialProblem(imu_path, inertial.record.samples);
+  RoverSensorReading reading;
+  // Also of the rows before a clock went back.
+  if (!inertial.record.samples.empty()) {
+    reading.inclinometer_problem = InertialProblem(imu_path, inertial.record.samples);
   }
-  RoverSensorReading reading{std::move(wheels.record), std::move(inertial.record), wheels.remarks};
+  if (inertial.record.problem.empty()) inertial.record.problem = reading.inclinometer_problem;
   // What imu.txt has malformed its other reader tells.
+  reading.remarks = std::move(wheels.remarks);
+  for (const auto& gaps :
+       {GapRemarks(wheel_path, wheels, frames), GapRemarks(imu_path, inertial, frames)}) {
+    reading.remarks.insert(reading.remarks.end(), gaps.begin(), gaps.end());
+  }
+  reading.wheels = std::move(wheels.record);
+  reading.inertial = std::move(inertial.record);
   return reading;
 }
 

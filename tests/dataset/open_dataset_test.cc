@@ -16,6 +16,7 @@ namespace rigmap {
 namespace {
 
 using testing::AllOf;
+using testing::Contains;
 using testing::EndsWith;
 using testing::HasSubstr;
 using testing::IsEmpty;
@@ -72,11 +73,22 @@ TEST_F(OpenKatwijkTest, RootTraverseAndPartGiveTheSameFrames) {
 TEST_F(OpenKatwijkTest, InclinometerComesWithTheFrames) {
   folder_.Write("root/rig.yaml", SampleRigText());
   folder_.Write("root/Traverse3/Part1/imu.txt",
-                "2015_11_26_15_23_36_100 1 2 3 4 5 6 0.1 0.2 9.8\ngarbage\n");
+                "2015_11_26_15_23_36_100 1 2 3 0.4 0.5 0.6 0.1 0.2 9.8\ngarbage\n");
   const Dataset dataset = Open(root_);
   ASSERT_EQ(dataset.inclinometer.size(), 3U) << "the last frame is 0.9 s away";
   EXPECT_EQ(dataset.inclinometer[2].acceleration_in_imu, Eigen::Vector3d(0.1, 0.2, 9.8));
   EXPECT_EQ(dataset.health.remarks.size(), 2U);
+}
+
+// Gravity stands in the columns of the rates.
+TEST_F(OpenKatwijkTest, AnInclinometerWithoutGravityIsNotBelieved) {
+  folder_.Write("root/rig.yaml", SampleRigText());
+  folder_.Write("root/Traverse3/Part1/imu.txt",
+                "2015_11_26_15_23_36_100 1 2 3 0.1 0.2 9.8 4 5 6\n");
+  const Dataset dataset = Open(root_);
+  EXPECT_THAT(dataset.inclinometer, IsEmpty());
+  EXPECT_THAT(dataset.health.remarks, Contains(AllOf(HasSubstr("imu.txt: expected gravity"),
+                                                     HasSubstr("The inclinometer is not used"))));
 }
 
 TEST_F(OpenKatwijkTest, FrameRangeIsHalfOpen) {

@@ -143,6 +143,40 @@ TEST_F(RoverSensorFilesTest, AClockThatGoesBackIsAProblem) {
   EXPECT_THAT(reading.inertial.problem, HasSubstr("imu.txt:1251: expected rising stamps"));
 }
 
+// Neither is a problem: images may bridge it.
+TEST_F(RoverSensorFilesTest, AClockThatJumpsForwardsIsNamed) {
+  std::string wheels, imu;
+  for (int ms = 0; ms < 20'000; ms += 80) wheels += WheelRow(ms < 5000 ? ms : ms + 60'000);
+  for (int ms = 0; ms < 10'000; ms += 8) {
+    if (ms < 3000 || ms >= 4200) imu += ImuRow(ms);
+  }
+  const auto reading = Read(wheels, imu);
+  EXPECT_EQ(reading.wheels.problem + reading.inertial.problem, "");
+  EXPECT_THAT(
+      reading.remarks,
+      ElementsAre(
+          AllOf(HasSubstr("odometry.txt:64: expected rows about every 0.08 s, found none "
+                          "for 60.080 s from 3.96 s after the first image"),
+                HasSubstr("the clock jumped forwards")),
+          HasSubstr("imu.txt:376: expected rows about every 0.008 s, found none for 1.208")));
+}
+
+TEST_F(RoverSensorFilesTest, GapsBesideTheImagesAreNoMatterAndManyAreCounted) {
+  std::string imu;
+  for (int ms = -20'000; ms < 12'000; ms += 8) {
+    const bool before = ms > -10'000 && ms<-5000, behind = ms> 9500 && ms < 10'500;
+    if (!before && !behind) imu += ImuRow(ms);
+  }
+  EXPECT_THAT(Read(WheelRows(), imu).remarks, IsEmpty());
+  imu.clear();
+  for (int ms = 0; ms < 10'000; ms += 8) {
+    if (ms % 1400 < 700) imu += ImuRow(ms);
+  }
+  const auto remarks = Read(WheelRows(), imu).remarks;
+  ASSERT_EQ(remarks.size(), 6U);
+  EXPECT_THAT(remarks.back(), HasSubstr("imu.txt: and 1 more such gaps"));
+}
+
 TEST_F(RoverSensorFilesTest, RowsOfAnotherTimeAreAProblem) {
   frames_ = {{kBegin + 3'600'000 * kMs, "", ""}};
   EXPECT_THAT(Read(WheelRows(), ImuRows()).wheels.problem,
@@ -163,6 +197,9 @@ TEST_F(RoverSensorFilesTest, ExchangedColumnsAreAProblem) {
                                             HasSubstr("are columns exchanged?")));
   EXPECT_THAT(reading.inertial.problem,
               AllOf(HasSubstr("expected gravity"), HasSubstr("found (0.01, 0.02, 0.03)")));
+  EXPECT_EQ(reading.inclinometer_problem, reading.inertial.problem);
+  // Nor are they believed where the clock goes back as well.
+  EXPECT_EQ(Read(wheels, imu + ImuRow(5000)).inclinometer_problem, reading.inclinometer_problem);
 }
 
 }  // namespace
