@@ -12,6 +12,7 @@
 
 #include "core/error.h"
 #include "core/file.h"
+#include "core/statistics.h"
 #include "dataset/internal/text_row.h"
 
 namespace rigmap {
@@ -22,7 +23,7 @@ namespace fs = std::filesystem;
 constexpr std::string_view kExpectedRow =
     "stamp, status, latitude and longitude or UTM metres, altitude and three sigmas";
 
-enum class Coordinates { kLatitudeFirst, kEastingFirst, kNorthingFirst };
+enum class Coordinates { kLatitudeFirst, kEastingFirst, kNorthingFirst, kEitherGrid };
 
 struct Row {
   int line = 0;
@@ -32,15 +33,16 @@ struct Row {
   double first = 0.0, second = 0.0;
 };
 
-std::optional<Coordinates> CoordinatesOf(double first, double second) {
+std::optional<Coordinates> CoordinatesOf(double first, double second, const UtmZone& zone) {
   if (std::abs(first) <= 90.0 && std::abs(second) <= 180.0) return Coordinates::kLatitudeFirst;
-  const auto columns = GridColumnsOf(first, second);
+  const auto columns = GridColumnsOf(first, second, zone);
   if (!columns) return std::nullopt;
+  if (*columns == GridColumns::kEither) return Coordinates::kEitherGrid;
   return *columns == GridColumns::kEastingFirst ? Coordinates::kEastingFirst
                                                 : Coordinates::kNorthingFirst;
 }
 
-Row ParseFix(const std::string& text, int line) {
+Row ParseFix(const std::string& text, int line, const UtmZone& zone) {
   Row row{.line = line, .text = text};
   std::string_view rest = text;
   const auto stamp_ns = ParseStamp(NextWord(rest));
@@ -58,23 +60,23 @@ Row ParseFix(const std::string& text, int line) {
   row.fix.sigma_enu_m = {east_m, north_m, up_m};
   row.first = first;
   row.second = second;
-  row.coordinates = CoordinatesOf(first, second);
+  row.coordinates = CoordinatesOf(first, second, zone);
   return row;
 }
 
-std::vector<Row> ParseRows(const std::string& text) {
+std::vector<Row> ParseRows(const std::string& text, const UtmZone& zone) {
   std::vector<Row> rows;
   std::istringstream stream(text);
   std::string line;
   for (int number = 1; std::getline(stream, line); ++number) {
     std::string_view words = line;
-    if (!NextWord(words).empty()) rows.push_back(ParseFix(line, number));
+    if (!NextWord(words).empty()) rows.push_back(ParseFix(line, number, zone));
   }
   return rows;
 }
 
 std::optional<Coordinates> MostFrequent(const std::vector<Row>& rows) {
-  std::array<int, 3> counts{};
+  std::array<int, 4> counts{};
   for (const Row& row : rows) {
     if (row.coordinates) ++counts[static_cast<std::size_t>(*row.coordinates)];
   }
@@ -92,14 +94,36 @@ std::optional<UtmZone> ZoneInName(const std::string& name) {
   return zone.number >= 1 && zone.number <= 60 ? std::optional(zone) : std::nullopt;
 }
 
-GnssFix Locate(const Row& row, const UtmZone& zone) {
+double Northing(const Row& row, Coordinates order) {
+  return order == Coordinates::kEastingFirst ? row.second : row.first;
+}
+
+// Rows of this order, those of a grid all within the reach of one drive.
+std::vector<char> AreOfOrder(const std::vector<Row>& rows, Coordinates order) {
+  const bool is_grid = order != Coordinates::kLatitudeFirst;
+  std::vector<char> are(rows.size(), 0);
+  std::vector<double> northings_m;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    are[i] = rows[i].coordinates == order ||
+             (is_grid && rows[i].coordinates == Coordinates::kEitherGrid);
+    if (are[i]) northings_m.push_back(Northing(rows[i], order));
+  }
+  if (!is_grid) return are;
+  const double middle_m = Median(std::move(northings_m));
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    are[i] = are[i] && AreNear(Northing(rows[i], order), middle_m);
+  }
+  return are;
+}
+
+GnssFix Locate(const Row& row, Coordinates order, const UtmZone& zone) {
   GnssFix fix = row.fix;
   fix.latitude_deg = row.first;
   fix.longitude_deg = row.second;
-  if (*row.coordinates == Coordinates::kLatitudeFirst) return fix;
-  const bool easting_first = *row.coordinates == Coordinates::kEastingFirst;
-  const Geodetic position = FromUtm(zone, easting_first ? row.first : row.second,
-                                    easting_first ? row.second : row.first, fix.altitude_m);
+  if (order == Coordinates::kLatitudeFirst) return fix;
+  const double northing_m = Northing(row, order);
+  const double easting_m = order == Coordinates::kEastingFirst ? row.first : row.second;
+  const Geodetic position = FromUtm(zone, easting_m, northing_m, fix.altitude_m);
   fix.latitude_deg = position.latitude_deg;
   fix.longitude_deg = position.longitude_deg;
   return fix;
@@ -108,21 +132,29 @@ GnssFix Locate(const Row& row, const UtmZone& zone) {
 }  // namespace
 
 GnssReading ReadGnssFile(const fs::path& path, const UtmZone& zone) {
-  const std::vector<Row> rows = ParseRows(ReadTextFile(path));
-  const auto coordinates = MostFrequent(rows);
-  if (!coordinates) {
+  const std::vector<Row> rows = ParseRows(ReadTextFile(path), zone);
+  const auto found = MostFrequent(rows);
+  if (!found) {
     const Row first = rows.empty() ? Row{.line = 1} : rows.front();
     throw DataError(fmt::format("{}:{}: expected rows of {}, found '{}'", path.string(), first.line,
                                 kExpectedRow, first.text));
   }
+  const bool is_open = *found == Coordinates::kEitherGrid;
+  const Coordinates order = is_open ? Coordinates::kEastingFirst : *found;
+  const std::vector<char> are_of_order = AreOfOrder(rows, order);
   GnssReading reading;
   std::vector<const Row*> left_out;
-  for (const Row& row : rows) {
-    if (row.coordinates == coordinates) {
-      reading.fixes.push_back(Locate(row, zone));
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    if (are_of_order[i]) {
+      reading.fixes.push_back(Locate(rows[i], order, zone));
     } else {
-      left_out.push_back(&row);
+      left_out.push_back(&rows[i]);
     }
+  }
+  if (is_open) {
+    reading.remarks.push_back(
+        fmt::format("{}: either column may be the northing; the first is taken for the easting",
+                    path.string()));
   }
   std::ranges::stable_sort(reading.fixes, {}, &GnssFix::stamp_ns);
   if (!left_out.empty()) {

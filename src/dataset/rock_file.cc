@@ -52,37 +52,62 @@ struct RockRow {
   double first = 0.0, second = 0.0;
 };
 
-std::optional<RockRow> ParseRock(std::string_view line) {
+std::optional<RockRow> ParseRock(std::string_view line, const UtmZone& zone) {
   const auto first = ParseFinite(NextWord(line)), second = ParseFinite(NextWord(line));
   if (!first || !second || !NextWord(line).empty()) return std::nullopt;
-  const auto columns = GridColumnsOf(*first, *second);
+  const auto columns = GridColumnsOf(*first, *second, zone);
   if (!columns) return std::nullopt;
   return RockRow{*columns, *first, *second};
+}
+
+// A line that is not empty; `row` is nothing where it is no place of the zone.
+struct RockLine {
+  int number = 0;
+  std::string text;
+  std::optional<RockRow> row;
+};
+
+std::vector<RockLine> ParseRocks(const std::string& text, const UtmZone& zone) {
+  std::vector<RockLine> lines;
+  std::istringstream stream(text);
+  std::string line;
+  for (int number = 1; std::getline(stream, line); ++number) {
+    std::string_view words = line;
+    if (!NextWord(words).empty()) lines.push_back({number, line, ParseRock(line, zone)});
+  }
+  return lines;
+}
+
+// That the first row shows which cannot be read either way; eastings first where all can.
+GridColumns ColumnsOf(const std::vector<RockLine>& lines) {
+  for (const RockLine& line : lines) {
+    if (line.row && line.row->columns != GridColumns::kEither) return line.row->columns;
+  }
+  return GridColumns::kEastingFirst;
 }
 
 }  // namespace
 
 std::vector<SurveyedLandmark> ReadRockFile(const fs::path& path, const std::string& kind,
                                            const UtmZone& zone) {
+  const std::vector<RockLine> lines = ParseRocks(ReadTextFile(path), zone);
+  const GridColumns columns = ColumnsOf(lines);
   std::vector<SurveyedLandmark> rocks;
-  std::optional<GridColumns> columns;
-  std::istringstream stream(ReadTextFile(path));
-  std::string line;
-  for (int number = 1; std::getline(stream, line); ++number) {
-    std::string_view words = line;
-    if (NextWord(words).empty()) continue;
-    const auto row = ParseRock(line);
-    if (!row || row->columns != columns.value_or(row->columns)) {
+  for (const auto& [number, text, row] : lines) {
+    bool fits = row && (row->columns == columns || row->columns == GridColumns::kEither);
+    if (fits) {
+      const bool easting_first = columns == GridColumns::kEastingFirst;
+      const GridPosition position{zone.Epsg(), easting_first ? row->first : row->second,
+                                  easting_first ? row->second : row->first};
+      fits = rocks.empty() || AreNear(position.northing_m, rocks.front().position.northing_m);
+      rocks.push_back({kind, position});
+    }
+    if (!fits) {
       throw DataError(
           fmt::format("{}:{}: expected easting and northing in UTM {} metres, in the same order "
                       "in all rows, found '{}'",
-                      path.string(), number, zone.Name(), line));
+                      path.string(), number, zone.Name(), text));
     }
-    columns = row->columns;
-    const bool easting_first = *columns == GridColumns::kEastingFirst;
-    rocks.push_back({kind,
-                     {zone.Epsg(), easting_first ? row->first : row->second,
-                      easting_first ? row->second : row->first}});
   }
   return rocks;
 }

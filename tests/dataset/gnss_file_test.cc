@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cstdlib>
+#include <tuple>
 
 #include "core/error.h"
 #include "georeference/local_frame.h"
@@ -125,6 +126,38 @@ TEST(GnssFile, TakesMetresOfTheZoneInItsName) {
     ASSERT_EQ(reading->fixes.size(), 1U);
     EXPECT_NEAR(reading->fixes[0].latitude_deg, position.latitude_deg, 1e-10);
     EXPECT_NEAR(reading->fixes[0].longitude_deg, position.longitude_deg, 1e-10);
+  }
+}
+
+// Uganda and Palawan, where one order alone lies in the zone; Brunei, where both do.
+TEST(GnssFile, TakesMetresNearTheEquator) {
+  const auto row = [](int second, double first_m, double second_m) {
+    return fmt::format("2015_11_26_12_53_{}_5 RTK_FIXED {:.6f} {:.6f} 12 0.005 0.004 0.009\n",
+                       second, first_m, second_m);
+  };
+  for (const auto& [position, name, has_remark] :
+       {std::tuple(Geodetic{0.35, 32.58, 12.0}, "gps-utm36.txt", false),
+        std::tuple(Geodetic{7.7, 117.6, 12.0}, "gps-utm50.txt", false),
+        std::tuple(Geodetic{4.9, 114.9, 12.0}, "gps-utm50.txt", true)}) {
+    const UtmPoint utm = ToUtm(UtmZoneOf(position), position);
+    for (const bool easting_first : {true, false}) {
+      if (has_remark && !easting_first) continue;
+      const TemporaryFolder folder;
+      std::string rows;
+      for (int i = 0; i < 5; ++i) {
+        const double east = utm.easting_m + i, north = utm.northing_m + i;
+        rows += easting_first ? row(10 + i, east, north) : row(10 + i, north, east);
+      }
+      rows += easting_first ? row(20, utm.easting_m, utm.northing_m + 3e5)
+                            : row(20, utm.northing_m + 3e5, utm.easting_m);
+      folder.Write(name, rows);
+      const auto reading = ReadGnss(folder.Path());
+      ASSERT_TRUE(reading) << name;
+      ASSERT_EQ(reading->fixes.size(), 5U) << name << " " << easting_first;
+      EXPECT_NEAR(reading->fixes[0].latitude_deg, position.latitude_deg, 1e-10);
+      EXPECT_NEAR(reading->fixes[0].longitude_deg, position.longitude_deg, 1e-10);
+      EXPECT_EQ(reading->remarks.size(), has_remark ? 2U : 1U);
+    }
   }
 }
 

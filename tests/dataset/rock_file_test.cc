@@ -38,6 +38,16 @@ TEST(RockFile, IsOfTheZoneThatItsReaderSays) {
   EXPECT_EQ(rocks[0].position.epsg, 32719);
 }
 
+// The second row alone could be read either way.
+TEST(RockFile, TakesRocksNearTheEquator) {
+  const TemporaryFolder folder;
+  const auto rocks =
+      ReadRockFile(folder.Write("rocks.txt", "99990 453000\n100010 453000\n"), "small", {36, true});
+  ASSERT_EQ(rocks.size(), 2U);
+  EXPECT_EQ(rocks[0].position.northing_m, 99990);
+  EXPECT_EQ(rocks[1].position.northing_m, 100010);
+}
+
 TEST(RockFile, NamesTheLineThatIsNoPosition) {
   const TemporaryFolder folder;
   for (const std::string bad : {"595685.5", "595685.5 5785795.2 1.0", "595685.5 five", "52.2 4.4",
