@@ -15,6 +15,9 @@ import time
 import unittest
 
 WORKFLOWS = pathlib.Path(sys.argv.pop(1) if len(sys.argv) > 1 else 'workflows').resolve()
+sys.path.insert(0, str(WORKFLOWS))
+sys.dont_write_bytecode = True
+from job_arguments import Arguments  # noqa: E402
 
 STAND_IN = r'''#!/usr/bin/python3
 import json, os, pathlib, sys, time
@@ -37,9 +40,10 @@ if command == 'part':
     out.mkdir(parents=True, exist_ok=True)
     broken = here / ('break ' + value('--part'))
     if broken.exists():
-        broken.unlink()
+        left = int(broken.read_text() or 1) - 1
+        broken.write_text(str(left)) if left else broken.unlink()
         (out / 'half').touch()
-        sys.exit(1)
+        sys.exit('rigmap: broken')
     if (here / 'slow').exists():
         (out / 'begun').touch()
         time.sleep(60)
@@ -105,6 +109,7 @@ class Snakefile(Jobs):
         for row in parts:
             self.assertEqual(row[row.index('--rig') + 1], f'{self.out}.rig.yaml')
         joined, = self.calls('join')
+        self.assertIn('--threads', joined)
         self.assertEqual(joined[1:4], [str(self.out / 'parts' / name) for name in ('1', '2 b', '3')])
         self.assertEqual(len(self.calls('calibrate')), 1)
         self.assertEqual((pathlib.Path(f'{self.out}.logs/evaluation.txt')).read_text(), 'nothing to compare with\n')
@@ -121,6 +126,32 @@ class Snakefile(Jobs):
         self.assertIn('mem_mb=2424', said)
         self.assertIn('runtime=40', said)
 
+    def test_the_others_are_joined_where_a_part_fails_for_good(self):
+        (self.root / 'break 2 b').write_text('3')
+        ended = self.snakemake()
+        self.assertNotEqual(ended.returncode, 0)
+        self.assertIn('NOT TRUSTED: part 2 b failed: rigmap: broken', ended.stderr)
+        evaluation = pathlib.Path(f'{self.out}.logs/evaluation.txt')
+        self.assertTrue(evaluation.read_text().startswith('NOT TRUSTED: part 2 b failed: rigmap: broken'))
+        joined, = self.calls('join')
+        self.assertEqual(joined[1:3], [str(self.out / 'parts' / name) for name in ('1', '3')])
+        self.assertNotIn(str(self.out / 'parts/2 b'), self.calls('calibrate')[0])
+        self.done()  # tries it again
+        self.assertIn(str(self.out / 'parts/2 b'), self.calls('join')[-1])
+        self.assertEqual(evaluation.read_text(), 'nothing to compare with\n')
+
+    def test_a_given_rig_is_where_they_begin(self):
+        for settings in (['rig=own.yaml', 'threads=1'], ['arguments=--rig own.yaml --threads 1']):
+            shutil.rmtree(self.out, ignore_errors=True)
+            self.done(settings=settings)
+            plan = self.calls('plan')[-1]
+            self.assertEqual(plan[plan.index('--rig') + 1], 'own.yaml')
+            for row in self.calls('part'):
+                self.assertEqual(row.count('--rig'), 1)
+                self.assertEqual(row.count('--threads'), 1)
+                self.assertEqual(row[row.index('--rig') + 1],
+                                 'own.yaml' if '--until' in row else f'{self.out}.rig.yaml')
+
     # Those of one part that share frames would count twice.
     def test_calibrates_by_parts_without_shared_frames(self):
         self.rigmap.write_text(STAND_IN.replace("'--part', name, ", "'--part', '7', ").replace(
@@ -128,7 +159,7 @@ class Snakefile(Jobs):
         self.done()
         calibrated, = self.calls('calibrate')
         self.assertEqual(calibrated[1:-2], [str(self.out / 'parts/1')])
-        self.assertEqual(len(self.calls('join')[0]), 6)
+        self.assertEqual(len(self.calls('join')[0]), 8)
 
     def test_where_no_part_tells_of_the_rig_it_stays_as_given(self):
         (self.root / 'untold').touch()
@@ -152,10 +183,56 @@ class Snakefile(Jobs):
         self.assertIn('expected --config dataset=DIR out=DIR', ended.stderr)
 
 
+class JobArguments(unittest.TestCase):
+    PLANNED = ['--dataset', '/d', '--rig', '/d/rig.yaml', '--frames', '0:4']
+
+    def test_settings_and_arguments_say_the_same(self):
+        for settings in ({'rig': 'a b.yaml', 'threads': 3, 'accuracy': 0.5, 'use_rtk': True, 'memory': 900,
+                          'truth': 't', 'max_frames': 40, 'overlap': 5},
+                         {'arguments': '--rig "a b.yaml" --threads=3 --accuracy 0.5 --use-rtk --memory 900 '
+                                       '--truth t --max-frames 40 --overlap 5'}):
+            given = Arguments(settings)
+            self.assertEqual(given.threads, 3)
+            self.assertEqual(given.rig, "--rig 'a b.yaml'")
+            self.assertEqual(given.plan, "--max-frames 40 --overlap 5 --rig 'a b.yaml' --memory 900 "
+                                         "--threads 3")
+            self.assertEqual(given.part(self.PLANNED),
+                             '--dataset /d --frames 0:4 --accuracy 0.5 --memory 900')
+            self.assertEqual(given.join, '--accuracy 0.5 --memory 900 --truth t --use-rtk')
+
+    def test_more_goes_where_it_is_taken(self):
+        given = Arguments({'arguments': '--set a.b=1 c.d=2 --depth-maps --technique vo --quiet'})
+        self.assertEqual(given.threads, 2)
+        self.assertEqual(given.plan, '--threads 2 --set a.b=1 c.d=2')
+        self.assertTrue(given.part([]).endswith('--set a.b=1 c.d=2 --depth-maps --technique vo'))
+        self.assertEqual(given.join, '--set a.b=1 c.d=2 --depth-maps')
+
+    def test_refuses_what_the_jobs_give_themselves(self):
+        for arguments in ('--out x', '--frames 0:3', 'word', '--threads none'):
+            with self.assertRaises(ValueError):
+                Arguments({'arguments': arguments})
+
+
 class PartJob(Jobs):
-    def start(self, scratch):
-        return subprocess.Popen([WORKFLOWS / 'part-job', self.rigmap, self.out, scratch, '--part', '1'],
+    def setUp(self):
+        super().setUp()
+        self.marker = self.root / 'marker'
+
+    def start(self, scratch, last=False):
+        return subprocess.Popen([WORKFLOWS / 'part-job', self.marker, str(int(last)), self.rigmap, self.out,
+                                 scratch, '--part', '1'],
                                 stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+
+    def test_leaves_why_it_failed_once_it_is_not_tried_again(self):
+        for scratch in (self.root, ''):
+            (self.root / 'break 1').write_text('2')
+            self.assertEqual(self.start(scratch).wait(), 1)
+            self.assertFalse(self.marker.exists())
+            self.assertEqual(self.start(scratch, last=True).wait(), 0)
+            self.assertEqual(self.marker.read_text(), 'part out failed: rigmap: broken\n')
+            self.assertEqual(self.start(scratch).wait(), 0)
+            self.assertEqual(self.marker.read_text(), '')
+            self.marker.unlink()
 
     def test_brings_back_what_a_failed_part_has_done(self):
         (self.root / 'break 1').touch()
@@ -175,6 +252,7 @@ class PartJob(Jobs):
                 time.sleep(0.05)
             job.send_signal(signal.SIGTERM)
             self.assertEqual(job.wait(10), 143)
+            self.assertFalse(self.marker.exists())
             self.assertTrue((self.out / 'begun').exists())
             self.assertEqual(list(self.root.glob('rigmap-*')), [])
 

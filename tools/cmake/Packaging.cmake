@@ -4,7 +4,7 @@ include(GNUInstallDirs)
 
 install(TARGETS rigmap rigmap-simulate RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 install(DIRECTORY config/ DESTINATION share/rigmap/config FILES_MATCHING PATTERN "*.yaml")
-install(FILES workflows/Snakefile DESTINATION share/rigmap/workflows)
+install(FILES workflows/Snakefile workflows/job_arguments.py DESTINATION share/rigmap/workflows)
 install(PROGRAMS workflows/part-job DESTINATION share/rigmap/workflows)
 install(DIRECTORY workflows/profiles DESTINATION share/rigmap/workflows)
 install(DIRECTORY docs/ DESTINATION ${CMAKE_INSTALL_DOCDIR})
