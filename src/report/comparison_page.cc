@@ -1,12 +1,19 @@
-// A comparison: who can be trusted, who is nearest to the truth, and the routes over each other.
+// A comparison: who can be trusted, who is nearest to the truth, the routes over each other, and
+// the figures that tools/plot-comparison has drawn.
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
+#include <cctype>
+#include <cstdint>
+#include <filesystem>
 #include <set>
+#include <span>
 
 #include "core/error.h"
+#include "core/file.h"
 #include "export/tum.h"
+#include "report/base64.h"
 #include "report/drawing.h"
 #include "report/html.h"
 #include "report/page.h"
@@ -152,6 +159,54 @@ std::string Routes(const ResultFolder& folder) {
                      body);
 }
 
+// Larger ones, whose maps hold whole pictures, would make the page too heavy.
+constexpr std::uintmax_t kMostFigureBytes = 4U << 20U;
+
+// The text of a figure as tools/plot-comparison leaves it; empty for any other file, for one with a
+// script in it, and for one that cannot be read.
+std::string FigureText(const std::filesystem::path& path) {
+  std::error_code ignored;
+  if (path.extension() != ".svg" || !std::filesystem::is_regular_file(path, ignored) ||
+      std::filesystem::is_symlink(path, ignored) ||
+      std::filesystem::file_size(path, ignored) > kMostFigureBytes) {
+    return "";
+  }
+  try {
+    std::string text = ReadTextFile(path);
+    std::string lower = text;
+    std::ranges::transform(lower, lower.begin(), [](unsigned char c) { return std::tolower(c); });
+    const bool is_ours = lower.find("<dc:title>rigmap plot-comparison</dc:title>") != lower.npos;
+    const bool is_plain =
+        lower.find("<script") == lower.npos && lower.find("javascript:") == lower.npos;
+    return is_ours && is_plain ? text : "";
+  } catch (const DataError&) {
+    return "";
+  }
+}
+
+// In the page, but as pictures: whatever stands in them, they run nothing, load nothing and share
+// no names with the page.
+std::string Figures(const ResultFolder& folder) {
+  std::set<std::filesystem::path> paths;
+  std::error_code ignored;
+  for (const auto& entry : std::filesystem::directory_iterator(folder.root / "plots", ignored)) {
+    paths.insert(entry.path());
+  }
+  std::string body;
+  for (const auto& path : paths) {
+    const std::string text = FigureText(path);
+    if (text.empty()) continue;
+    const std::span bytes(reinterpret_cast<const std::uint8_t*>(text.data()), text.size());
+    const std::string name = Escaped(path.stem().string());
+    body += fmt::format(
+        "<figure><img alt=\"{0}\" src=\"data:image/svg+xml;base64,{1}\">"
+        "<figcaption>{0}</figcaption></figure>\n",
+        name, Base64(bytes));
+  }
+  return HtmlSection("figures", "Figures", "As <code>tools/plot-comparison</code> has drawn them.",
+                     body);
+}
+
 std::string Headline(const Json& comparison) {
   std::size_t trusted = 0, refused = 0, failed = 0;
   const Json& rows = comparison["rows"];
@@ -188,8 +243,8 @@ Page ComparisonPage(const ResultFolder& folder) {
       "<header id=\"top\">\n<p class=\"eyebrow\">rigmap \u00b7 comparison</p>\n<h1>{}</h1>\n{}{}"
       "</header>\n",
       Escaped(folder.name), Headline(folder.comparison), RowsTable(source)));
-  if (std::string routes = Routes(folder); !routes.empty()) {
-    page.sections.push_back(std::move(routes));
+  for (std::string section : {Routes(folder), Figures(folder)}) {
+    if (!section.empty()) page.sections.push_back(std::move(section));
   }
   page.data = Json::object();
   return page;

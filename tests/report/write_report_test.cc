@@ -74,6 +74,24 @@ TEST_F(WriteReportTest, DoesWithASummaryAlone) {
   EXPECT_THAT(ReportOf(folder_.Path() / "bare"), HasSubstr("The run failed"));
 }
 
+TEST_F(WriteReportTest, OfAComparisonShowsTheFiguresOfTheScriptAndNoOthers) {
+  const std::string figure =
+      "<svg xmlns=\"http://www.w3.org/2000/svg\"><dc:title>rigmap plot-comparison</dc:title>";
+  folder_.Write("compared/comparison.json", R"({"rows": []})");
+  folder_.Write("compared/plots/cost.svg", figure + "</svg>");
+  folder_.Write("compared/plots/a<b.svg", figure + "</svg>");
+  folder_.Write("compared/plots/bad.svg", figure + "<Script>alert(1)</Script></svg>");
+  folder_.Write("compared/plots/foreign.svg", "<svg></svg>");
+  const fs::path elsewhere = folder_.Write("elsewhere.svg", figure + "</svg>");
+  fs::create_symlink(elsewhere, folder_.Path() / "compared/plots/link.svg");
+  const std::string report = ReportOf(folder_.Path() / "compared");
+  EXPECT_THAT(report, HasSubstr("<img alt=\"cost\" src=\"data:image/svg+xml;base64,PHN2Zy"));
+  EXPECT_THAT(report, HasSubstr("<img alt=\"a&lt;b\""));
+  for (const char* name : {"\"bad\"", "\"foreign\"", "\"link\""}) {
+    EXPECT_THAT(report, Not(HasSubstr(std::string("<img alt=") + name)));
+  }
+}
+
 TEST_F(WriteReportTest, LeavesAnOlderReportWhereItCannotBeMade) {
   folder_.Write("foreign/report.html", "old");
   MessageOf<DataError>([&] { WriteReport({.folder = folder_.Path() / "foreign"}); });

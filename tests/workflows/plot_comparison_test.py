@@ -1,0 +1,62 @@
+#!/usr/bin/python3
+"""tools/plot-comparison on small comparisons.
+
+usage: plot_comparison_test.py TOOLS
+"""
+import json
+import pathlib
+import re
+import subprocess
+import sys
+import tempfile
+import unittest
+
+PLOT = pathlib.Path(sys.argv.pop(1) if len(sys.argv) > 1 else 'tools').resolve() / 'plot-comparison'
+
+
+class PlotComparison(unittest.TestCase):
+    def setUp(self):
+        self.folder = tempfile.TemporaryDirectory()
+        self.root = pathlib.Path(self.folder.name)
+
+    def tearDown(self):
+        self.folder.cleanup()
+
+    def plotted(self, table):
+        (self.root / 'comparison.csv').write_text(table)
+        ended = subprocess.run([PLOT, self.root], capture_output=True, text=True)
+        self.assertEqual(ended.returncode, 0, ended.stderr)
+        return {path.name: path.read_text() for path in (self.root / 'plots').glob('*.svg')}
+
+    def run_of(self, name, turn):
+        """A path of 20 m, and its fixes in a world of its own that is turned a quarter."""
+        way = [(0.1 * i, 0.02 * i * (i % 50) / 50) for i in range(200)]
+        way = [(-y, x) for x, y in way] if turn else way
+        folder = self.root / name
+        folder.mkdir()
+        (folder / 'trajectory.tum').write_text(
+            ''.join(f'{i}.0 {x} {y} 0 0 0 0 1\n' for i, (x, y) in enumerate(way)))
+        fixes = [[i * 10**9, x, y, 0.0] for i, (x, y) in enumerate(way)][::5]
+        (folder / 'reference.json').write_text(json.dumps({'rtk': fixes}))
+
+    def test_rows_that_all_failed(self):
+        plots = self.plotted('part,technique,setting,repeat,run,status\n1,vo,,0,a,failed\n')
+        self.assertEqual(sorted(plots), ['cost.svg', 'spread.svg'])
+        self.assertIn('rigmap plot-comparison', plots['cost.svg'])
+
+    def test_fixes_stand_for_the_true_path_and_join_the_worlds(self):
+        self.run_of('a', False)
+        self.run_of('b', True)
+        plots = self.plotted('part,technique,setting,repeat,run,truth,status\n'
+                             '1,vo,,0,a,,ok\n1,rig,,0,b,,ok\n')
+        routes = plots['1-routes.svg']
+        self.assertIn('RTK fixes', routes)
+        lines = re.findall(r'<path d="(M [^"]+)" clip-path[^>]*style="fill: none', routes)
+        ends = [re.findall(r'[-\d.]+', line)[-2:] for line in lines if line.count('L') > 20]
+        self.assertEqual(len(ends), 2)  # from above
+        for ours, other in zip(*ends):
+            self.assertAlmostEqual(float(ours), float(other), delta=1.0)
+
+
+if __name__ == '__main__':
+    sys.exit(0 if unittest.main(exit=False).result.wasSuccessful() else 1)
