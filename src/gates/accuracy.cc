@@ -11,12 +11,16 @@ constexpr double kSigmas95 = 1.960;
 // Of a way shorter than this it is millimetres that count, not shares of it.
 constexpr double kShortWay_m = 1.0;
 
+// From one measured frame to the next: a guess makes no way.
 double PathLength(const Trajectory& trajectory) {
   double path_m = 0.0;
-  for (std::size_t i = 1; i < trajectory.size(); ++i) {
-    path_m +=
-        (trajectory[i].world_from_left.translation - trajectory[i - 1].world_from_left.translation)
-            .norm();
+  const TimedPose* before = nullptr;
+  for (const TimedPose& pose : trajectory) {
+    if (pose.source == PoseSource::kPredicted) continue;
+    if (before) {
+      path_m += (pose.world_from_left.translation - before->world_from_left.translation).norm();
+    }
+    before = &pose;
   }
   return path_m;
 }
@@ -91,8 +95,11 @@ double Radius95(const Eigen::Matrix3d& covariance) {
 Accuracy AccuracyOf(const Trajectory& trajectory, const Adjustment& adjustment,
                     const StereoRig& rig, const BesideCovariances& beside) {
   Accuracy accuracy{.path_m = PathLength(trajectory)};
-  if (trajectory.empty() || accuracy.path_m < rig.Baseline()) return accuracy;
-  if (!std::isfinite(beside.calibration_scale_sigma)) {
+  const auto measured = std::ranges::count_if(
+      trajectory, [](const TimedPose& pose) { return pose.source != PoseSource::kPredicted; });
+  if (measured < 2) return accuracy;
+  const bool is_way = accuracy.path_m >= rig.Baseline();
+  if (is_way && !std::isfinite(beside.calibration_scale_sigma)) {
     accuracy.scale_95_pct = accuracy.position_95_pct = beside.calibration_scale_sigma;
     return accuracy;
   }
@@ -100,7 +107,8 @@ Accuracy AccuracyOf(const Trajectory& trajectory, const Adjustment& adjustment,
   const double of_all_lengths = std::hypot(of_baseline, beside.calibration_scale_sigma);
   const auto scale = adjustment.scale_sigma || !beside.positions_known ? adjustment.scale_sigma
                                                                        : ScaleSigmaOf(trajectory);
-  if (scale) accuracy.scale_95_pct = 100.0 * kSigmas95 * std::hypot(*scale, of_all_lengths);
+  if (is_way && scale)
+    accuracy.scale_95_pct = 100.0 * kSigmas95 * std::hypot(*scale, of_all_lengths);
   if (beside.calibration_scale_sigma > 0.0 && scale) {
     accuracy.noise_95_pct = 100.0 * kSigmas95 * *scale;
   } else if (const auto& noise = adjustment.scale_sigma_of_noise) {

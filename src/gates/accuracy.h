@@ -11,7 +11,8 @@
 namespace rigmap {
 
 // At 95 %, relative to the first posed frame, the baseline's own sigma counted where the rig states
-// it. Nothing for a rig that stands: whose path is shorter than its baseline.
+// it. No scale for a rig that stands, whose path is shorter than its baseline; nothing at all where
+// fewer than two frames are measured.
 struct Accuracy {
   double path_m = 0.0;
   std::optional<double> scale_95_pct;  // half of the interval that holds the true scale

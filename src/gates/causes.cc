@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <utility>
 
 namespace rigmap {
@@ -27,6 +28,13 @@ constexpr std::string_view kOverlap =
     "cut the parts so that they share frames (--overlap), or bridge the gap by images of the same "
     "ground; else take each world for itself";
 
+// Against a gap that nothing measured bridges.
+std::string_view AdviceOnGaps(const Failed& failed) {
+  constexpr double kMissesMatches_px = 1.0;  // of the rows that stereo matches are looked for in
+  const bool was_off = failed.findings().rig_correction_px.value_or(0.0) > kMissesMatches_px;
+  return was_off ? kWithCorrectedRig : kWithoutGaps;
+}
+
 // What the uncertainty comes from, and what helps against it.
 struct Origin {
   std::string_view about, advice;
@@ -39,10 +47,8 @@ Origin OriginOf(const Failed& failed) {
     return *part * *part / (*accuracy.scale_95_pct * *accuracy.scale_95_pct);
   };
   constexpr double kMost = 0.5;  // of the variance
-  if (failed.findings().breaks > 0) {
-    constexpr double kMissesMatches_px = 1.0;  // of the rows that stereo matches are looked for in
-    const bool was_off = failed.findings().rig_correction_px.value_or(0.0) > kMissesMatches_px;
-    return {"part of the way is guessed", was_off ? kWithCorrectedRig : kWithoutGaps};
+  if (!failed.findings().breaks.empty()) {
+    return {"part of the way is guessed", AdviceOnGaps(failed)};
   }
   if (!accuracy.noise_95_pct) {
     return {"the errors of single steps add up",
@@ -92,6 +98,22 @@ Cause NothingToFollow(const Failed& failed) {
           "next to have anything in common{}",
           rest ? fmt::format("; --frames {} is the longest run without them", failed.Frames(*rest))
                : "")};
+}
+
+Cause WayIsBroken(const Failed& failed) {
+  constexpr std::size_t kMostFrames = 4;
+  const auto& breaks = failed.findings().breaks;
+  std::vector<std::string> frames;
+  for (std::size_t i = 0; i < std::min(breaks.size(), kMostFrames); ++i) {
+    frames.push_back(failed.FrameText(breaks[i]));
+  }
+  if (breaks.size() > kMostFrames) frames.emplace_back("...");
+  return {"the way is broken: part of it is guessed",
+          fmt::format("the way is broken: nothing measured joins what begins at frame {} to what "
+                      "was before, so that it lies where it was guessed (expected: frame after "
+                      "frame, or a place seen again)",
+                      fmt::join(frames, ", ")),
+          std::string(AdviceOnGaps(failed))};
 }
 
 Cause RigIsContradicted(const Failed& failed) {

@@ -26,6 +26,8 @@ std::string Failed::Frames(const FrameRun& range) const {
   return fmt::format("{}:{}", first_frame_ + range.first, first_frame_ + range.end);
 }
 
+std::string Failed::FrameText(int frame) const { return std::to_string(first_frame_ + frame); }
+
 bool Failed::IsInPieces() const {
   return !findings_.pieces.empty() && findings_.pieces.front().Count() < findings_.frames;
 }

@@ -32,13 +32,12 @@ void FindPieces(const GateInputs& inputs, const AdjustmentGateOptions& options,
   for (const StepDifference& step : StepDifferences(inputs)) {
     if (!(step.Excess(options) <= 1.0)) torn[step.frame] = true;
   }
+  for (const int frame : findings.breaks) torn[static_cast<std::size_t>(frame)] = true;
   std::vector<FrameRun>& pieces = findings.pieces;
   for (std::size_t i = 0; i < inputs.trajectory.size(); ++i) {
     if (IsGuessed(inputs, i)) continue;
     const int frame = static_cast<int>(i);
-    const bool is_joined = pieces.empty() || IsJoined(inputs, pieces.back().end - 1, i);
-    if (!is_joined) ++findings.breaks;
-    if (pieces.empty() || torn[i] || !is_joined) pieces.push_back({frame, frame});
+    if (pieces.empty() || torn[i]) pieces.push_back({frame, frame});
     pieces.back().end = frame + 1;
   }
   std::erase_if(pieces, [](const FrameRun& piece) { return piece.Count() < kLeastPiece; });
@@ -67,6 +66,17 @@ std::optional<FrameRun> PartFindings::LongestMeasured() const {
   return longest.Count() >= kLeastPiece ? std::optional(longest) : std::nullopt;
 }
 
+std::vector<int> BreaksIn(const GateInputs& inputs) {
+  std::vector<int> breaks;
+  std::optional<std::size_t> before;
+  for (std::size_t i = 0; i < inputs.trajectory.size(); ++i) {
+    if (IsGuessed(inputs, i)) continue;
+    if (before && !IsJoined(inputs, *before, i)) breaks.push_back(static_cast<int>(i));
+    before = i;
+  }
+  return breaks;
+}
+
 PartFindings FindingsOf(const GateInputs& inputs, const GateOptions& options) {
   PartFindings findings{
       .accuracy = AccuracyOf(inputs.trajectory, inputs.adjustment, inputs.rig,
@@ -85,6 +95,7 @@ PartFindings FindingsOf(const GateInputs& inputs, const GateOptions& options) {
     const Eigen::Matrix3d& covariance = inputs.trajectory[frame].position_covariance;
     findings.guessed_95_m = std::max(findings.guessed_95_m, Radius95(covariance));
   }
+  findings.breaks = BreaksIn(inputs);
   FindPieces(inputs, options.adjustment, findings);
   return findings;
 }

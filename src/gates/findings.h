@@ -26,7 +26,7 @@ struct PartFindings {
   int frames = 0;
   std::vector<FrameRun> guessed;  // whose pose is a prediction, in order
   double guessed_95_m = 0.0;      // the worst of them: radius that holds the truth with 95 %
-  int breaks = 0;                 // how often nothing measured joins a frame to those before
+  std::vector<int> breaks;        // frames that nothing measured joins to those before
   // Runs of three frames and more in which each is joined to those before by what was measured, and
   // map and odometry tell of the same step; the longest first.
   std::vector<FrameRun> pieces;
@@ -35,6 +35,10 @@ struct PartFindings {
   // The longest run of frames that are not, if it has three.
   std::optional<FrameRun> LongestMeasured() const;
 };
+
+// Frames of the trajectory that nothing measured joins to those before: where they lie is a guess
+// that all behind them share.
+std::vector<int> BreaksIn(const GateInputs& inputs);
 
 PartFindings FindingsOf(const GateInputs& inputs, const GateOptions& options);
 

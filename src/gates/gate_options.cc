@@ -23,6 +23,11 @@ OptionFields PoseGateOptions::Fields() {
       {"predicted", &predicted, "", MoreThan(0.0),
        "Share of frames posed by prediction alone. A black image or two may be bridged; where "
        "more than a fifth of the trajectory is guessed it is not a measurement any more."},
+      {"breaks", &breaks, "", AtLeast(0.0),
+       "How often the way may begin anew, nothing measured joining what follows to what was "
+       "before. "
+       "The sigma of the guess between is that of a motion that goes on as it did: a film that was "
+       "cut there goes on anywhere."},
       {"accuracy_pct", &accuracy_pct, "per cent", MoreThan(0.0),
        "How good a result has to be, as --accuracy sets it: of the scale, and of the worst "
        "measured "

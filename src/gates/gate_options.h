@@ -23,6 +23,7 @@ struct PoseGateOptions {
   static constexpr const char* kSection = "gates";
 
   double predicted = 0.2;
+  double breaks = 0.0;
   double accuracy_pct = 1.0;
 
   OptionFields Fields();

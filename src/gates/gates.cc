@@ -9,6 +9,7 @@
 
 #include "core/statistics.h"
 #include "gates/accuracy.h"
+#include "gates/findings.h"
 #include "gates/internal/step_differences.h"
 
 namespace rigmap {
@@ -28,6 +29,13 @@ void JudgePrediction(const GateInputs& inputs, const PoseGateOptions& options, G
                          "share of frames whose pose was guessed, nothing in them being measured"));
 }
 
+void JudgeBreaks(const GateInputs& inputs, const PoseGateOptions& options, Gates& gates) {
+  std::optional<double> breaks;
+  if (!inputs.odometry.empty()) breaks = static_cast<double>(BreaksIn(inputs).size());
+  gates.push_back(AtMost("breaks", breaks, options.breaks,
+                         "how often nothing measured joins a frame to those before it"));
+}
+
 void JudgeAccuracy(const GateInputs& inputs, const PoseGateOptions& options, Gates& gates) {
   const Accuracy accuracy = AccuracyOf(inputs.trajectory, inputs.adjustment, inputs.rig,
                                        {inputs.positions_known, inputs.calibration_scale_sigma});
@@ -38,11 +46,15 @@ void JudgeAccuracy(const GateInputs& inputs, const PoseGateOptions& options, Gat
 }
 
 // How far off the steps of any few that follow each other are, in limits: a map that is torn or
-// bent in one spot is off there alone.
+// bent in one spot is off there alone. Sparse keyframes are torn in a single step: one by itself
+// has to be as many times as far off, as one wrong motion of the odometry may be.
 std::optional<double> WorstWindow(const std::vector<StepDifference>& differences,
                                   const AdjustmentGateOptions& options) {
   constexpr std::size_t kWindow = 3;
   std::optional<double> worst;
+  for (const StepDifference& step : differences) {
+    worst = std::max(worst.value_or(0.0), step.Excess(options) / kWindow);
+  }
   for (std::size_t i = 0; i + kWindow <= differences.size(); ++i) {
     double least = std::numeric_limits<double>::infinity();
     for (std::size_t k = i; k < i + kWindow; ++k) {
@@ -59,10 +71,10 @@ void JudgeMotion(const GateInputs& inputs, const AdjustmentGateOptions& options,
   constexpr double kShare = 0.9;
   std::optional<double> sigmas, pct;
   auto differences = StepDifferences(inputs);
-  gates.push_back(
-      AtMost("motion_agreement_window", WorstWindow(differences, options), 1.0,
-             "three steps on end in which map and odometry differ, in limits of the two "
-             "gates on all steps"));
+  gates.push_back(AtMost(
+      "motion_agreement_window", WorstWindow(differences, options), 1.0,
+      "three steps on end in which map and odometry differ, or one by three times as much, in "
+      "limits of the two gates on all steps"));
   if (!differences.empty()) {
     const auto excess = [&](const StepDifference& step) { return step.Excess(options); };
     const StepDifference typical = Quantile(std::move(differences), kShare, excess);
@@ -149,6 +161,7 @@ Gates JudgeAdjustment(const GateInputs& inputs, const AdjustmentGateOptions& opt
 Gates JudgePoses(const GateInputs& inputs, const PoseGateOptions& options) {
   Gates gates;
   JudgePrediction(inputs, options, gates);
+  JudgeBreaks(inputs, options, gates);
   JudgeAccuracy(inputs, options, gates);
   return gates;
 }

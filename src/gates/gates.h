@@ -55,7 +55,7 @@ Gates JudgeAdjustment(const GateInputs& inputs, const AdjustmentGateOptions& opt
 // intrinsics_consistency.
 Gates JudgeCalibration(const GateInputs& inputs, const CalibrationGateOptions& options);
 
-// The gates on the trajectory that came of it: predicted, scale_95_pct, position_95_pct.
+// The gates on the trajectory that came of it: predicted, breaks, scale_95_pct, position_95_pct.
 Gates JudgePoses(const GateInputs& inputs, const PoseGateOptions& options);
 
 // depth_consistency_pct: the systematic difference of stereo and temporal depth, over rings or over

@@ -35,16 +35,18 @@ const std::vector<Root>& Roots() {
   static const Names shape{"baseline_spread", "baseline_rejected"};
   static const Names rig{"rig_refinement_px", "rig_consistency_deg", "rig_consistency_sigmas",
                          "intrinsics_consistency_pct", "intrinsics_consistency_sigmas"};
-  static const Names registered{"registered"}, dark{"predicted"}, depth{"depth_bias_px"},
-      lenses{"depth_consistency_pct"};
+  static const Names registered{"registered"}, dark{"predicted"}, broken{"breaks"},
+      depth{"depth_bias_px"}, lenses{"depth_consistency_pct"};
   static const Names closure{"closure_sigmas", "closure_pct"};
   static const Names clouds = Joined({{"unheld"}, closure});
   static const std::vector<Root> roots{
       {RigDoesNotFit,
        {"epipolar_px"},
-       Joined({dark, rig, registered, shape, residuals, clouds, motion, lenses, sigmas, depth})},
-      {CloudsSlide, {"unheld"}, Joined({dark, closure, motion, sigmas})},
-      {NothingToFollow, dark, Joined({registered, sigmas}), true},
+       Joined({dark, broken, rig, registered, shape, residuals, clouds, motion, lenses, sigmas,
+               depth})},
+      {CloudsSlide, {"unheld"}, Joined({dark, broken, closure, motion, sigmas})},
+      {NothingToFollow, dark, Joined({broken, registered, sigmas}), true},
+      {WayIsBroken, broken, Joined({registered, sigmas}), true},
       {RigIsContradicted, rig,
        Joined({registered, shape, residuals, clouds, motion, lenses, sigmas, depth})},
       {ChainsDiffer, closure, Joined({motion, sigmas})},

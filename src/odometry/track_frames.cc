@@ -145,10 +145,11 @@ class Tracker {
 
   void Start(FrameFeatures features) {
     OdometryFrame frame{.stamp_ns = features.stamp_ns};
-    frame.source = PoseSource::kOdometry;
+    keyframe_ = MakeReference(0, std::move(features), rig_, options_);
+    // Where no frame shows anything not even the first is a measurement.
+    if (CanCarry(keyframe_, options_)) frame.source = PoseSource::kOdometry;
     frame.keyframe = true;
     odometry_.push_back(frame);
-    keyframe_ = MakeReference(0, std::move(features), rig_, options_);
     previous_ = keyframe_;
   }
 

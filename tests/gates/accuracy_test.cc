@@ -150,13 +150,28 @@ TEST(AccuracyOf, WhatIsNotANumberIsNotKnown) {
   EXPECT_TRUE(std::isinf(accuracy.position_95_m.value()));
 }
 
-TEST(AccuracyOf, OfARigThatStandsThereIsNone) {
+TEST(AccuracyOf, OfARigThatStandsHasPositionsButNoScale) {
   Trajectory trajectory = Drive();
   for (TimedPose& pose : trajectory) pose.world_from_left.translation *= 0.01;
+  trajectory.back().position_covariance = 1e-4 * Eigen::Matrix3d::Identity();
   const Accuracy accuracy = AccuracyOf(trajectory, {}, LocCamRig());
   EXPECT_FALSE(accuracy.scale_95_pct);
-  EXPECT_FALSE(accuracy.position_95_m);
+  EXPECT_NEAR(accuracy.position_95_m.value(), 0.028, 0.001);
+  EXPECT_NEAR(accuracy.position_95_pct.value(), 2.8, 0.1);  // of a metre
   EXPECT_FALSE(AccuracyOf({}, {}, LocCamRig()).scale_95_pct);
+  EXPECT_FALSE(AccuracyOf({trajectory.front()}, {}, LocCamRig()).position_95_m);
+}
+
+// Else one guess far off would make all positions look good.
+TEST(AccuracyOf, AGuessMakesNoWay) {
+  Trajectory trajectory = Drive();
+  TimedPose guess = trajectory.back();
+  guess.source = PoseSource::kPredicted;
+  guess.world_from_left.translation.x() = 150.0;
+  trajectory.push_back(guess);
+  EXPECT_NEAR(AccuracyOf(trajectory, {}, LocCamRig()).path_m, 5.0, 1e-12);
+  trajectory.front().source = PoseSource::kPredicted;
+  EXPECT_NEAR(AccuracyOf(trajectory, {}, LocCamRig()).path_m, 4.5, 1e-12);
 }
 
 }  // namespace

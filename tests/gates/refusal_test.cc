@@ -39,6 +39,7 @@ const std::vector<std::string> kAllGates{"baseline_spread",
                                          "closure_sigmas",
                                          "closure_pct",
                                          "predicted",
+                                         "breaks",
                                          "scale_95_pct",
                                          "position_95_pct",
                                          "motion_agreement_window",
@@ -118,7 +119,7 @@ TEST(RefusalOf, TellsCausesThatDoNotFollowInTheOrderOfTheStages) {
 TEST(RefusalOf, FramesThatShowNothingLeaveThoseBetween) {
   PartFindings findings = Findings();
   findings.guessed = {{12, 22}};
-  findings.breaks = 1;
+  findings.breaks = {22};
   findings.pieces = {{0, 12}, {22, 30}};
   const Refusal refusal =
       RefusalOf(Failing({"predicted", "scale_95_pct"}, 1.0 / 3.0, 0.2), findings, 100);
@@ -128,7 +129,7 @@ TEST(RefusalOf, FramesThatShowNothingLeaveThoseBetween) {
   EXPECT_THAT(refusal.causes[0].advice, HasSubstr("--frames 100:112"));
   EXPECT_THAT(refusal.usable, StartsWith("frames 100:112 and 122:130"));
   // Where what lies before the gap is in view again behind it, only the gap is lost.
-  findings.breaks = 0;
+  findings.breaks.clear();
   findings.pieces = {{0, 30}};
   EXPECT_THAT(RefusalOf(Failing({"predicted"}), findings).usable,
               StartsWith("all poses but the guessed ones: metres to 1.2 %"));
@@ -137,6 +138,19 @@ TEST(RefusalOf, FramesThatShowNothingLeaveThoseBetween) {
   const Refusal nothing = RefusalOf(Failing({"predicted"}), findings);
   EXPECT_EQ(nothing.usable, "nothing");
   EXPECT_THAT(nothing.causes[0].advice, Not(HasSubstr("--frames")));
+}
+
+TEST(RefusalOf, AGuessedJumpLeavesThePiecesBesideIt) {
+  PartFindings findings = Findings();
+  findings.breaks = {12};
+  findings.pieces = {{12, 30}, {0, 12}};
+  const Refusal refusal =
+      RefusalOf(Failing({"breaks", "position_95_pct"}, 1.0, 0.0), findings, 100);
+  ASSERT_THAT(refusal.causes, SizeIs(1));
+  EXPECT_THAT(refusal.causes[0].found,
+              HasSubstr("nothing measured joins what begins at frame 112"));
+  EXPECT_THAT(refusal.causes[0].advice, HasSubstr("without gaps"));
+  EXPECT_THAT(refusal.usable, StartsWith("frames 112:130 and 100:112, each by itself"));
 }
 
 TEST(RefusalOf, OfFiguresThatHoldSaysHowGoodTheyAre) {
@@ -173,7 +187,7 @@ TEST(RefusalOf, AdvisesAgainstWhatTheUncertaintyComesFrom) {
   EXPECT_THAT(advice(findings), HasSubstr("a longer stretch"));
   findings.accuracy.baseline_95_pct = 1.1;
   EXPECT_THAT(advice(findings), HasSubstr("measure the baseline"));
-  findings.breaks = 1;
+  findings.breaks = {22};
   EXPECT_THAT(advice(findings), AllOf(HasSubstr("without gaps"), Not(HasSubstr("rig_refined"))));
   // Stereo matches are looked for in the rows that the rig file names: with one that was off by
   // more than they search, a corrected rig may close the gap.

@@ -311,6 +311,7 @@ TEST(TrackFrames, FewAndEmptyFrames) {
   for (auto& frame : rover.frames) Blacken(frame);
   const Odometry dark = Track(rover);
   ASSERT_EQ(dark.size(), 4u);
+  EXPECT_EQ(dark[0].source, PoseSource::kPredicted);
   for (int i = 1; i < 4; ++i) {
     EXPECT_EQ(dark[i].source, PoseSource::kPredicted);
     EXPECT_FALSE(dark[i].keyframe);

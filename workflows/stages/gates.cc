@@ -106,6 +106,11 @@ Report ReportPart(const GateInputs& inputs, const GateOptions& options) {
       text += fmt::format("{} of {} poses are guessed, the worst to {}; ", findings.GuessedCount(),
                           findings.frames, LengthText(findings.guessed_95_m));
     }
+  } else if (accuracy.position_95_m) {
+    text = fmt::format(
+        "the way is shorter than the baseline, so that no length is judged; positions good to {} "
+        "(95 %); ",
+        LengthText(*accuracy.position_95_m));
   }
   report["verdict"]["text"] = text + AboutRig(inputs);
   report["depth_consistency"] = ReportDepthConsistency(inputs.depth_consistency);
@@ -290,7 +295,7 @@ JudgedPart ReadJudged(const Report& merged) {
   findings.rig_correction_px = FromJson(known.at("rig_correction_px"));
   findings.frames = known.at("frames");
   findings.guessed = RangesIn(known.at("guessed"));
-  findings.breaks = known.at("breaks");
+  findings.breaks = known.at("breaks").get<std::vector<int>>();
   findings.pieces = RangesIn(known.at("pieces"));
   return judged;
 }

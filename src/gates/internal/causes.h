@@ -8,6 +8,7 @@ namespace rigmap {
 // Without the gates. Each expects that one of the gates named beside it has failed.
 Cause RigDoesNotFit(const Failed& failed);      // epipolar_px
 Cause NothingToFollow(const Failed& failed);    // predicted
+Cause WayIsBroken(const Failed& failed);        // breaks
 Cause RigIsContradicted(const Failed& failed);  // rig_refinement, rig_ and intrinsics_consistency
 Cause FewRegistered(const Failed& failed);      // registered
 Cause MapIsBent(const Failed& failed);          // baseline_spread, baseline_rejected

@@ -18,6 +18,7 @@ class Failed {
   const Gate* Find(std::string_view name) const;
   // "3:9", as the whole data set numbers its frames.
   std::string Frames(const FrameRun& range) const;
+  std::string FrameText(int frame) const;
   // Some but not all frames hold together.
   bool IsInPieces() const;
 
