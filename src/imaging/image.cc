@@ -100,7 +100,10 @@ std::optional<int> SampleBitsNeeded(const std::string& path, const Camera& camer
   if (image.empty() || image.depth() != CV_16U) return std::nullopt;
   double largest = 0.0;
   cv::minMaxIdx(image.reshape(1), nullptr, &largest);
-  return largest < 4096.0 ? 12 : 16;
+  for (const int bits : {10, 12, 14}) {
+    if (largest < std::ldexp(1.0, bits)) return bits;
+  }
+  return 16;
 }
 
 void WriteImage(const std::filesystem::path& path, const cv::Mat& image) {

@@ -106,7 +106,7 @@ TEST(ReadGrey, ScalesTwelveBitValuesWhereItIsTold) {
   EXPECT_EQ(LargestDifference(ReadGrey(path, CameraOf(30, 20), 12), expected), 0.0);
 }
 
-TEST(SampleBitsNeeded, TellsOfSixteenBitFilesWhetherTwelveWouldDo) {
+TEST(SampleBitsNeeded, TellsOfSixteenBitFilesWhetherFewerWouldDo) {
   const TemporaryFolder folder;
   const auto of = [&](const char* name, const cv::Mat& image, int width = 30) {
     const std::string path = folder.Path() / name;
@@ -118,7 +118,10 @@ TEST(SampleBitsNeeded, TellsOfSixteenBitFilesWhetherTwelveWouldDo) {
   const cv::Mat see_through(20, 30, CV_16UC4, cv::Scalar(100, 200, 4095, 65535));
   EXPECT_EQ(of("alpha.png", see_through), 12) << "alpha is no brightness";
   EXPECT_EQ(of("other.png", image, 31), std::nullopt) << "not of the camera's size";
+  EXPECT_EQ(of("ten.png", RandomImage(CV_16UC1, 1024.0)), 10);
   image.at<ushort>(3, 4) = 4096;
+  EXPECT_EQ(of("fourteen.png", image), 14);
+  image.at<ushort>(3, 4) = 16384;
   for (const char* name : {"b.png", "b.pgm", "b.tif"}) EXPECT_EQ(of(name, image), 16) << name;
   for (const char* name : {"c.png", "c.pgm", "c.tif", "c.jpg"}) {
     EXPECT_EQ(of(name, RandomImage(CV_8UC1, 256.0)), std::nullopt) << name;
