@@ -91,6 +91,12 @@ RtkFit FitMotionAndClock(const PathFitter& fitter, const Geodetic& origin,
   return fit;
 }
 
+// Most fixes determined it.
+bool IsAgreed(const RtkFit& fit) {
+  constexpr int kUsedPerRejected = 2;
+  return fit.alignment && fit.alignment->used >= kUsedPerRejected * fit.alignment->rejected;
+}
+
 // The medians of the coordinates, so that an outlier does no harm; nothing without RTK fixes.
 std::optional<Geodetic> MiddleOf(std::span<const GnssFix> fixes) {
   std::vector<double> latitudes_deg, longitudes_deg, altitudes_m;
@@ -158,6 +164,32 @@ RtkFit AlignToRtk(std::span<const GnssFix> fixes, const Trajectory& trajectory,
     return path.At(time_s - fit.alignment->clock_offset_s).has_value();
   }));
   return fit;
+}
+
+std::string FitOnlyExchanged(std::span<const GnssFix> fixes, const Trajectory& trajectory,
+                             const Eigen::Vector3d& antenna_in_left,
+                             const RtkAlignmentOptions& options) {
+  constexpr double kMuchBetter = 3.0, kGoodSigmas = 5.0;  // of residuals
+  const RtkFit before = AlignToRtk(fixes, trajectory, antenna_in_left, options);
+  std::vector<double> sigmas_m;
+  for (const GnssFix& fix : fixes) sigmas_m.push_back(fix.sigma_enu_m.head<2>().norm());
+  if (IsAgreed(before) &&
+      before.alignment->rms_residual_m <= kGoodSigmas * Median(std::move(sigmas_m))) {
+    return {};
+  }
+  std::vector<GnssFix> exchanged(fixes.begin(), fixes.end());
+  for (GnssFix& fix : exchanged) {
+    std::swap(fix.latitude_deg, fix.longitude_deg);
+    if (std::abs(fix.latitude_deg) > 90.0) return {};
+  }
+  const RtkFit after = AlignToRtk(exchanged, trajectory, antenna_in_left, options);
+  if (!IsAgreed(after)) return {};
+  const double after_m = after.alignment->rms_residual_m;
+  if (IsAgreed(before) && before.alignment->rms_residual_m < kMuchBetter * after_m) return {};
+  return fmt::format(
+      "the fixes fit the path, to {:.2g} m, once latitude and longitude are exchanged: are these "
+      "columns of their file exchanged?",
+      after_m);
 }
 
 }  // namespace rigmap

@@ -64,4 +64,11 @@ struct RtkFit {
 RtkFit AlignToRtk(std::span<const GnssFix> fixes, const Trajectory& trajectory,
                   const Eigen::Vector3d& antenna_in_left, const RtkAlignmentOptions& options = {});
 
+// Of fixes that fit the path only where latitude and longitude are exchanged, as their file may
+// have them: a sentence that says so. Such fixes show the path mirrored and stretched, to which a
+// straight one due north or east is blind. Empty for fixes that fit as they are or not at all.
+std::string FitOnlyExchanged(std::span<const GnssFix> fixes, const Trajectory& trajectory,
+                             const Eigen::Vector3d& antenna_in_left,
+                             const RtkAlignmentOptions& options = {});
+
 }  // namespace rigmap

@@ -214,6 +214,11 @@ class FixFuser {
     // Steps and their poses cancel, and so do the priors; heading and origin have none.
     result.degrees_of_freedom = static_cast<int>(3 * believed) - 4;
     result.fix_noise_factor = sigma_factor_;
+    double of_fixes = 0.0;
+    for (std::size_t i = 0; i < fixes_.size(); ++i) {
+      if (used_[i]) of_fixes += 3.0 * Distance(i) * Distance(i);
+    }
+    result.chi2_as_stated = result.chi2 + (sigma_factor_ * sigma_factor_ - 1.0) * of_fixes;
     return result;
   }
 

@@ -39,6 +39,7 @@ struct FusedFixes {
   double chi2 = 0.0;
   int degrees_of_freedom = 0;
   double fix_noise_factor = 1.0;  // of the stated sigmas, which were raised by it where above 1
+  double chi2_as_stated = 0.0;    // the same sum with the fixes' sigmas as they were stated
 };
 
 // Steps keep the motion of the poses given. How far each may be off follows from what the poses

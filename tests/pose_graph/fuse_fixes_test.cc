@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "tests/support/antenna_drive.h"
+#include "tests/support/seeded_random.h"
 
 namespace rigmap {
 namespace {
@@ -23,6 +24,19 @@ TEST(FuseFixes, GoodFixesTakeTheDriftOut) {
       1e-12);
   EXPECT_EQ(std::ranges::count(fused->used, 0), 0);
   EXPECT_LT(fused->chi2 / fused->degrees_of_freedom, 1.5);
+  EXPECT_LT(fused->chi2_as_stated / fused->degrees_of_freedom, 1.25);
+}
+
+// Three centimetres of noise, stated as 5 mm.
+TEST(FuseFixes, RaisedSigmasDoNotHideThatTheStatedOnesAreTooSmall) {
+  const AntennaDrive drive;
+  auto fixes = drive.Fixes();
+  SeededRandom random;
+  for (AntennaFix& fix : fixes) fix.x_in_enu += random.Noise(0.03);
+  const auto fused = FuseFixes(drive.images, fixes, drive.Fusion());
+  ASSERT_TRUE(fused);
+  EXPECT_LT(fused->chi2 / fused->degrees_of_freedom, 1.5);
+  EXPECT_GT(fused->chi2_as_stated / fused->degrees_of_freedom, 10.0);
 }
 
 TEST(FuseFixes, AClockThatIsOffIsFound) {

@@ -18,6 +18,7 @@ namespace {
 
 using nlohmann::json;
 using testing::HasSubstr;
+using testing::Not;
 
 const Geodetic kKatwijk{52.21, 4.40, 3.0};
 constexpr double kClock_s = 0.7;
@@ -183,8 +184,31 @@ TEST_F(SatelliteFixes, SwappedColumnsAreNotUsed) {
   for (GnssFix& fix : fixes_) std::swap(fix.latitude_deg, fix.longitude_deg);
   const Outcome outcome = Tie();
   EXPECT_FALSE(outcome.report["used"]) << outcome.report.dump();
-  EXPECT_GT(outcome.report["why_not"].get<std::string>().size(), 20U);
+  EXPECT_THAT(outcome.report["why_not"].get<std::string>(),
+              HasSubstr("once latitude and longitude are exchanged"));
   EXPECT_NEAR(outcome.error_m, ErrorOfImages(), 1e-9);
+}
+
+TEST_F(SatelliteFixes, OthersThatDoNotFitAreNotCalledExchanged) {
+  for (std::size_t i = 0; i < fixes_.size(); ++i) {
+    fixes_[i].latitude_deg = kKatwijk.latitude_deg + 1e-4 * std::sin(static_cast<double>(i * i));
+  }
+  const Outcome outcome = Tie();
+  EXPECT_FALSE(outcome.report["used"]) << outcome.report.dump();
+  EXPECT_THAT(outcome.report["why_not"].get<std::string>(), Not(HasSubstr("exchanged")));
+}
+
+TEST_F(SatelliteFixes, SigmasThatAreTooSmallAreTold) {
+  const Outcome good = Tie();
+  EXPECT_TRUE(good.report["consistent"]) << good.report.dump();
+  EXPECT_TRUE(good.report["remark"].is_null());
+  for (std::size_t i = 0; i < fixes_.size(); ++i) {
+    fixes_[i].latitude_deg += (i % 2 == 0 ? 1.5 : -1.5) * 1e-7;  // 17 mm, stated as 5 mm
+  }
+  const Outcome outcome = Tie();
+  EXPECT_FALSE(outcome.report["consistent"]) << outcome.report.dump();
+  EXPECT_GT(outcome.report["chi2_per_degree_as_stated"], outcome.report["chi2_per_degree_limit"]);
+  EXPECT_THAT(outcome.report["remark"].get<std::string>(), HasSubstr("contradict each other"));
 }
 
 TEST_F(SatelliteFixes, AreAskedForWithAnAntenna) {

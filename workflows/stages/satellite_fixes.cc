@@ -198,8 +198,19 @@ class FixTie {
     report_["fix_noise_factor"] = fused.fix_noise_factor;
     report_["chi2_per_degree"] = fused.chi2 / std::max(1, fused.degrees_of_freedom);
     // The mean of a chi-square over its degrees is one, its deviation this; three of them.
-    report_["chi2_per_degree_limit"] =
-        1.0 + 3.0 * std::sqrt(2.0 / std::max(1, fused.degrees_of_freedom));
+    const double limit = 1.0 + 3.0 * std::sqrt(2.0 / std::max(1, fused.degrees_of_freedom));
+    report_["chi2_per_degree_limit"] = limit;
+    const double as_stated = fused.chi2_as_stated / std::max(1, fused.degrees_of_freedom);
+    report_["chi2_per_degree_as_stated"] = as_stated;
+    report_["consistent"] = as_stated <= limit;
+    report_["remark"] = nullptr;
+    if (as_stated <= limit) return;
+    const std::string remark = fmt::format(
+        "path and fixes contradict each other by {:.2g} times their stated sigmas (at most {:.2g} "
+        "is chance)",
+        std::sqrt(as_stated), std::sqrt(limit));
+    spdlog::warn("--use-rtk: {}", remark);
+    report_["remark"] = remark;
   }
 
   Report ReportClocks() const {
@@ -216,7 +227,10 @@ class FixTie {
     return list;
   }
 
-  TiedPart NotUsed(TiedPart result, const std::string& why) {
+  TiedPart NotUsed(TiedPart result, std::string why) {
+    const std::string exchanged =
+        FitOnlyExchanged(fixes_.tying, part_.trajectory, antenna_, options_);
+    if (!exchanged.empty()) why += "; " + exchanged;
     spdlog::warn("--use-rtk: the poses are left as the images tell them: {}", why);
     report_["used"] = false;
     report_["why_not"] = why;
