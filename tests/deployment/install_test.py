@@ -38,7 +38,8 @@ class Installed(unittest.TestCase):
             '--spacing', '0.2', '--seed', '1', '--image-scale', '0.1', '--out', self.root / 'drive',
             '--quiet', cwd='/')
         self.assertTrue((prefix / 'share/rigmap/config/rigs/loccam.yaml').is_file())
-        self.assertTrue((prefix / 'share/rigmap/workflows/Snakefile').is_file())
+        for name in ('Snakefile', 'job_arguments.py'):
+            self.assertTrue((prefix / 'share/rigmap/workflows' / name).is_file())
         self.assertTrue(os.access(prefix / 'share/rigmap/workflows/part-job', os.X_OK))
 
     def test_runs_from_a_prefix(self):
