@@ -39,7 +39,9 @@ void MarkOutputs(const fs::path& root, const Ledger& ledger) {
     for (const std::string& name : record.published) {
       for (const fs::path& path : FilesOf(root / name)) {
         const std::string extension = path.extension();
-        if (std::ranges::count(kWithComments, extension)) SetHeaderNote(path, warning);
+        // Other text files have no comments; evo takes them in this one, too.
+        const bool is_kitti = path.filename() == "trajectory_kitti.txt";
+        if (is_kitti || std::ranges::count(kWithComments, extension)) SetHeaderNote(path, warning);
       }
     }
   }

@@ -55,6 +55,7 @@ std::vector<std::string> Reused(const fs::path& out) {
 }
 
 const Arguments kPublished{"trajectory.tum",
+                           "trajectory_kitti.txt",
                            "trajectory.csv",
                            "trajectory_midpoint.tum",
                            "trajectory_antenna.tum",

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "dataset/rig_file.h"
+#include "export/kitti.h"
 #include "export/trajectory_csv.h"
 #include "export/tum.h"
 
@@ -27,6 +28,7 @@ void PublishTrajectory(const StereoRig& rig, const Trajectory& trajectory,
   if (rig.antenna_in_left) {
     WriteText(publication, "trajectory_antenna.tum", TumOfPoint(trajectory, *rig.antenna_in_left));
   }
+  WriteText(publication, "trajectory_kitti.txt", WriteKitti(trajectory));
   WriteText(publication, "trajectory.tum", WriteTum(trajectory));
 }
 

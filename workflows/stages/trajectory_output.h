@@ -11,10 +11,11 @@
 namespace rigmap {
 
 inline const std::vector<std::string> kTrajectoryOutputs{
-    "trajectory.tum", "trajectory.csv", "trajectory_midpoint.tum", "trajectory_antenna.tum"};
+    "trajectory.tum", "trajectory_kitti.txt", "trajectory.csv", "trajectory_midpoint.tum",
+    "trajectory_antenna.tum"};
 
-// trajectory.csv, trajectory_midpoint.tum, trajectory_antenna.tum (where the rig knows its antenna)
-// and, last, trajectory.tum.
+// trajectory.csv, trajectory_midpoint.tum, trajectory_antenna.tum (where the rig knows its
+// antenna), trajectory_kitti.txt and, last, trajectory.tum.
 void PublishTrajectory(const StereoRig& rig, const Trajectory& trajectory,
                        Publication& publication);
 
