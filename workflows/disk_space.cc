@@ -14,6 +14,7 @@ double FolderMegabytes(const fs::path& folder) {
   std::error_code ignored;  // files of a run that is at work may vanish
   for (auto file = fs::recursive_directory_iterator(folder, ignored);
        !ignored && file != fs::recursive_directory_iterator(); file.increment(ignored)) {
+    if (file->is_symlink(ignored)) continue;  // to images, which are the data's own
     if (file->is_regular_file(ignored)) bytes += static_cast<double>(file->file_size(ignored));
   }
   return 1e-6 * bytes;

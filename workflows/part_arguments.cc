@@ -212,8 +212,9 @@ RunRequest MakeRunRequest(const RunArguments& a, std::string command) {
   // Of the parts and of the whole.
   RequireStages(a.part, StageNames(Technique::kRig));
   RequireStages(a.part, JoinStageNames());
-  request.plan = {request.part.dataset,  a.split, a.max_frames, a.overlap, request.part.threads,
-                  request.part.memory_mb};
+  request.plan = {
+      request.part.dataset,   a.split,           a.max_frames, a.overlap, request.part.threads,
+      request.part.memory_mb, request.part.truth};
   for (const auto& [option, count] :
        {std::pair("--split", a.split), {"--max-frames", a.max_frames}}) {
     if (count && *count < 1) {
@@ -234,6 +235,9 @@ std::string PrintPlan(const RunArguments& a) {
   }
   for (const std::string& assignment : a.part.assignments) {
     more.insert(more.end(), {"--set", assignment});
+  }
+  if (a.part.accuracy_pct) {
+    more.insert(more.end(), {"--accuracy", fmt::format("{}", *a.part.accuracy_pct)});
   }
   return WriteSbatch(plan, request.plan, more);
 }

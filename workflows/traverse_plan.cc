@@ -1,9 +1,11 @@
 #include "workflows/traverse_plan.h"
 
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <cmath>
+#include <exception>
 
 #include "core/error.h"
 #include "core/stamp.h"
@@ -11,6 +13,8 @@
 
 namespace rigmap {
 namespace {
+
+namespace fs = std::filesystem;
 
 // A step longer than so many usual ones is a gap: the next may be late, but not by two frames.
 constexpr double kGapSteps = 2.5;
@@ -49,6 +53,7 @@ PartData Examine(const Dataset& dataset, std::string name) {
       .surveyed_rocks = static_cast<int>(dataset.surveyed_landmarks.size()),
       .format = std::string(Name(dataset.format)),
       .rig = dataset.rig.source,
+      .antenna = dataset.rig.antenna_in_left.has_value(),
       .width = camera.width,
       .height = camera.height,
       .baseline_m = dataset.rig.Baseline(),
@@ -66,22 +71,57 @@ std::string PartName(const DatasetRequest& part) {
   return part.part ? std::to_string(*part.part) : "1";
 }
 
+// What --truth means for one part: of a folder with some of parts its own, if it has one.
+std::optional<fs::path> TruthOfPart(const std::optional<fs::path>& truth,
+                                    const DatasetRequest& part) {
+  if (!truth || !fs::is_directory(*truth) || fs::exists(*truth / "trajectory.tum")) return truth;
+  const fs::path own = *truth / fmt::format("Part{}", part.part.value_or(1));
+  if (fs::exists(own / "trajectory.tum")) return own;
+  const bool has_others =
+      std::any_of(fs::directory_iterator(*truth), {}, [](const fs::directory_entry& entry) {
+        return entry.path().filename().string().starts_with("Part") &&
+               fs::exists(entry.path() / "trajectory.tum");
+      });
+  return has_others ? std::nullopt : truth;
+}
+
+// All parts that can be used, the others with why not. Throws what the first is unusable for, where
+// all are.
+std::vector<PartData> ExamineParts(const std::vector<DatasetRequest>& parts) {
+  std::vector<PartData> findings;
+  std::exception_ptr unusable;
+  for (const DatasetRequest& part : parts) {
+    try {
+      findings.push_back(Examine(OpenDataset(part), PartName(part)));
+    } catch (const DataError& error) {
+      if (!unusable) unusable = std::current_exception();
+      findings.push_back({.name = PartName(part), .remarks = {error.what()}});
+    }
+  }
+  if (std::ranges::none_of(findings, IsUsable)) std::rethrow_exception(unusable);
+  for (const PartData& part : findings) {
+    if (!IsUsable(part)) spdlog::warn("part {} is left out: {}", part.name, part.remarks.back());
+  }
+  return findings;
+}
+
 // How many jobs each part becomes: `split` in all, the longest cut first.
 std::vector<int> PiecesOf(const std::vector<PartData>& parts, const PlanRequest& request) {
   std::vector<int> pieces(parts.size(), 1);
   for (std::size_t p = 0; p < parts.size() && request.max_frames; ++p) {
-    pieces[p] = (parts[p].pairs + *request.max_frames - 1) / *request.max_frames;
+    pieces[p] = PiecesOfAtMost(*request.max_frames, parts[p].pairs, request.overlap);
   }
   if (!request.split) return pieces;
-  if (*request.split < std::ssize(parts)) {
+  const auto usable = std::ranges::count_if(parts, IsUsable);
+  if (*request.split < usable) {
     throw UsageError(fmt::format("--split {}: expected at least {}, the number of parts found",
-                                 *request.split, parts.size()));
+                                 *request.split, usable));
   }
   const auto length = [&](std::size_t p) {
     return static_cast<double>(parts[p].pairs) / pieces[p];
   };
   pieces.assign(parts.size(), 1);
-  for (auto more = *request.split - std::ssize(parts); more > 0; --more) {
+  for (auto more = *request.split - usable; more > 0; --more) {
     std::size_t longest = 0;
     for (std::size_t p = 1; p < parts.size(); ++p) {
       if (length(p) > length(longest)) longest = p;
@@ -96,31 +136,51 @@ void AddJobs(const DatasetRequest& part, const PartData& findings, int pieces,
              const PlanRequest& request, std::vector<PartJob>& jobs) {
   const double megapixels = 1e-6 * findings.width * findings.height;
   const std::string folder = part.folder.string();
+  const auto truth = TruthOfPart(request.truth, part);
   if (pieces == 1) {
-    jobs.push_back({PartName(part), part, findings.pairs, megapixels, folder});
+    jobs.push_back({PartName(part), part, findings.pairs, megapixels, folder, truth});
     return;
   }
   // A job must have frames of its own beside those that it shares at both ends.
-  const int least = pieces * (2 * request.overlap + 1);
+  const int least = pieces * (request.overlap + 1) + request.overlap;
   if (findings.pairs < least) {
+    const auto asked = request.max_frames ? fmt::format("--max-frames {}", *request.max_frames)
+                                          : fmt::format("--split {}", *request.split);
     throw UsageError(fmt::format(
-        "--split: expected at least {} pairs for {} jobs that share {} frames, found {} in part {}",
-        least, pieces, request.overlap, findings.pairs, findings.name));
+        "{}: expected at least {} pairs for {} jobs that share {} frames, found {} in part {}",
+        asked, least, pieces, request.overlap, findings.pairs, findings.name));
   }
   const int first = part.frames ? part.frames->first : 0;
   const int digits = static_cast<int>(std::to_string(pieces).size());
+  const auto cuts = CutEvenly(findings.pairs, pieces, request.overlap);
   for (int i = 0; i < pieces; ++i) {
-    const int begin = static_cast<int>(std::int64_t{findings.pairs} * i / pieces);
-    const int next = static_cast<int>(std::int64_t{findings.pairs} * (i + 1) / pieces);
-    const int end = std::min(findings.pairs, next + (i + 1 < pieces ? request.overlap : 0));
-    PartJob job{fmt::format("{}.{:0{}}", PartName(part), i + 1, digits), part, end - begin,
-                megapixels, folder};
+    const auto [begin, end] = cuts[static_cast<std::size_t>(i)];
+    PartJob job{fmt::format("{}.{:0{}}", PartName(part), i + 1, digits),
+                part,
+                end - begin,
+                megapixels,
+                folder,
+                truth};
     job.dataset.frames = {first + begin, first + end};
     jobs.push_back(std::move(job));
   }
 }
 
 }  // namespace
+
+int PiecesOfAtMost(int max_pairs, int pairs, int overlap) {
+  const int own = max_pairs - overlap;  // of each piece, beside what it shares with the next
+  return std::max(1, (pairs - overlap + own - 1) / own);
+}
+
+std::vector<std::pair<int, int>> CutEvenly(int pairs, int pieces, int overlap) {
+  const auto begin = [&](int piece) {
+    return static_cast<int>((std::int64_t{pairs - overlap} * piece + pieces - 1) / pieces);
+  };
+  std::vector<std::pair<int, int>> cuts;
+  for (int i = 0; i < pieces; ++i) cuts.emplace_back(begin(i), begin(i + 1) + overlap);
+  return cuts;
+}
 
 TraversePlan PlanTraverse(const PlanRequest& request) {
   if (request.overlap < 1) {
@@ -134,14 +194,11 @@ TraversePlan PlanTraverse(const PlanRequest& request) {
         fmt::format("--max-frames: expected more than twice the overlap of {}, found {}",
                     request.overlap, *request.max_frames));
   }
-  TraversePlan plan;
   const std::vector<DatasetRequest> parts = PartsOf(request.dataset);
-  for (const DatasetRequest& part : parts) {
-    plan.parts.push_back(Examine(OpenDataset(part), PartName(part)));
-  }
+  TraversePlan plan{.parts = ExamineParts(parts)};
   const std::vector<int> pieces = PiecesOf(plan.parts, request);
   for (std::size_t p = 0; p < parts.size(); ++p) {
-    AddJobs(parts[p], plan.parts[p], pieces[p], request, plan.jobs);
+    if (IsUsable(plan.parts[p])) AddJobs(parts[p], plan.parts[p], pieces[p], request, plan.jobs);
   }
   return plan;
 }
@@ -157,6 +214,16 @@ double EstimatedSeconds(const PartJob& job, int threads) {
   // images cost somewhat more each.
   constexpr double kPerMegapixel = 2.2, kPerPair = 0.3, kOnce = 5.0;
   return kOnce + job.pairs * (kPerPair + kPerMegapixel * job.megapixels) / threads;
+}
+
+double EstimatedJoinSeconds(const TraversePlan& plan, int threads) {
+  // What is left of the time of whole traverses beside that of their parts.
+  constexpr double kPerMegapixel = 0.6, kPerPair = 0.3, kOnce = 5.0;
+  double seconds = kOnce;
+  for (const PartJob& job : plan.jobs) {
+    seconds += job.pairs * (kPerPair + kPerMegapixel * job.megapixels) / threads;
+  }
+  return seconds;
 }
 
 double EstimatedMegabytes(const PartJob& job, int memory_mb) {

@@ -28,6 +28,9 @@ std::vector<std::string> ArgumentsOf(const PartJob& job) {
 }
 
 Json Describe(const PartData& part) {
+  if (!IsUsable(part)) {
+    return {{"name", part.name}, {"pairs", part.pairs}, {"remarks", part.remarks}};
+  }
   Json gaps = Json::array();
   for (const auto& [after, seconds] : part.gaps) {
     gaps.push_back({{"after_pair", after}, {"seconds", seconds}});
@@ -86,9 +89,11 @@ Json ToJson(const TraversePlan& plan, const PlanRequest& request) {
                             {"disk_mb", std::round(EstimatedDiskMegabytes(job))}});
     minutes += EstimatedSeconds(job, request.threads) / 60.0;
   }
-  json["total"] = {{"pairs", PairsOf(plan)},
-                   {"minutes_one_after_the_other", std::ceil(minutes)},
-                   {"disk_mb", std::round(EstimatedDiskMegabytes(plan))}};
+  json["total"] = {
+      {"pairs", PairsOf(plan)},
+      {"minutes_one_after_the_other", std::ceil(minutes)},
+      {"minutes_of_the_join", std::ceil(EstimatedJoinSeconds(plan, request.threads) / 60.0)},
+      {"disk_mb", std::round(EstimatedDiskMegabytes(plan))}};
   return json;
 }
 
@@ -108,18 +113,23 @@ std::string WriteSbatch(const TraversePlan& plan, const PlanRequest& request,
       "#SBATCH --time={:.0f}\n"
       "# Results go to OUT (default: rigmap-out where this was submitted). The same job again "
       "goes\n"
-      "# on from what is there. Afterwards: rigmap join \"$OUT\"/parts/* --out \"$OUT\"\n"
-      "set -eu\n"
-      "OUT=${{OUT:-$SLURM_SUBMIT_DIR/rigmap-out}}\n"
-      "names=(",
+      "# on from what is there. Afterwards: rigmap join \"$OUT\"/parts/* --out \"$OUT\"\n",
       plan.jobs.size() - 1, request.threads, megabytes + 512.0,
       std::ceil(kLimitOverEstimate * seconds / 60.0));
+  for (const PartData& part : plan.parts) {
+    if (IsUsable(part)) continue;
+    text += fmt::format("# Part {} is left out: {}\n", part.name, part.remarks.back());
+  }
+  text += "set -eu\nOUT=${OUT:-$SLURM_SUBMIT_DIR/rigmap-out}\nnames=(";
   for (const PartJob& job : plan.jobs) text += fmt::format(" {}", Quoted(job.name));
   text += " )\ncase $SLURM_ARRAY_TASK_ID in\n";
   for (std::size_t i = 0; i < plan.jobs.size(); ++i) {
     text += fmt::format("{}) arguments=(", i);
-    for (const std::string& word : ArgumentsOf(plan.jobs[i]))
-      text += fmt::format(" {}", Quoted(word));
+    std::vector<std::string> words = ArgumentsOf(plan.jobs[i]);
+    if (const auto& truth = plan.jobs[i].truth) {
+      words.insert(words.end(), {"--truth", std::filesystem::absolute(*truth).string()});
+    }
+    for (const std::string& word : words) text += fmt::format(" {}", Quoted(word));
     text += " ) ;;\n";
   }
   text += "esac\nname=${names[$SLURM_ARRAY_TASK_ID]}\nmkdir -p \"$OUT/parts\"\n";

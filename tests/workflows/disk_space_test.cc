@@ -40,5 +40,17 @@ TEST(RequireDiskTest, CountsWhatLiesThereAlready) {
               HasSubstr("expected 6999999995 MB"));
 }
 
+// COLMAP's names of the images are links to the data.
+TEST(RequireDiskTest, CountsNoImagesOfTheInput) {
+  const TemporaryFolder folder;
+  const auto image = folder.Write("data/left/0000.png", std::string(5'000'000, 'x'));
+  const auto images = folder.Path() / "out" / "colmap" / "images";
+  std::filesystem::create_directories(images);
+  std::filesystem::create_symlink(image, images / "0.png");
+  EXPECT_THAT(
+      MessageOf<DataError>([&] { RequireDisk(PlanOfPairs(1'000'000'000), folder.Path() / "out"); }),
+      HasSubstr("expected 7000000000 MB"));
+}
+
 }  // namespace
 }  // namespace rigmap
