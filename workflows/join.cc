@@ -48,20 +48,32 @@ std::vector<std::vector<std::string>> WorldsIn(const fs::path& out) {
   return summary.value("worlds", std::vector<std::vector<std::string>>());
 }
 
-// The folders of the largest world; the others are named.
-JoinRequest LargestWorld(const JoinRequest& request,
-                         const std::vector<std::vector<std::string>>& worlds) {
-  JoinRequest largest = request;
-  std::erase_if(largest.outs, [&](const fs::path& out) {
-    const std::string name = PartName(out);
-    if (std::ranges::count(worlds.front(), name)) return false;
-    largest.missing.push_back(fmt::format(
-        "part {} could not be tied to part{} {}: it stays by itself in {}", name,
-        worlds.front().size() > 1 ? "s" : "", fmt::join(worlds.front(), ", "), out.string()));
-    spdlog::warn("{}", largest.missing.back());
+// Takes the folders away that are not of the largest world; a sentence for each.
+std::vector<std::string> KeepLargestWorld(const std::vector<std::vector<std::string>>& worlds,
+                                          std::vector<PartFolder>& folders) {
+  std::vector<std::string> missing;
+  std::erase_if(folders, [&](const PartFolder& folder) {
+    if (std::ranges::count(worlds.front(), folder.name)) return false;
+    missing.push_back(
+        fmt::format("part {} could not be tied to part{} {}: it stays by itself in {}", folder.name,
+                    worlds.front().size() > 1 ? "s" : "", fmt::join(worlds.front(), ", "),
+                    folder.root.string()));
+    spdlog::warn("{}", missing.back());
     return true;
   });
-  return largest;
+  return missing;
+}
+
+// What is left to do once all has been adjusted as asked: what --from names must not be done again,
+// but what depends on it is still to be done anew.
+PartRequest AfterAdjustment(const JoinRequest& request, const std::vector<std::string>& stages) {
+  PartRequest rest = request.whole;
+  rest.force = false;
+  if (!rest.from) return rest;
+  const auto from = std::ranges::find(stages, *rest.from);
+  if (from <= std::ranges::find(stages, "adjustment"))
+    rest.from = request.use_rtk ? "rtk" : "dense";
+  return rest;
 }
 
 }  // namespace
@@ -69,7 +81,12 @@ JoinRequest LargestWorld(const JoinRequest& request,
 PartResult JoinParts(const JoinRequest& request) {
   cv::setNumThreads(1);  // the work is split over frames
   const PartRequest& whole = request.whole;
-  UnionOfParts united = UniteParts(request.outs, whole.out);
+  std::vector<PartFolder> folders = NameParts(request.outs);
+  UnionOfParts united = UniteParts(folders, whole.out);
+  if (request.use_rtk) {
+    const StereoRig& rig = united.dataset.rig;
+    RequireFixes(rig.source, rig.antenna_in_left.has_value(), united.dataset.fixes.size());
+  }
   const FolderMark mark = united.Mark();
   const std::vector<std::string> stages = JoinStageNames();
   const auto adjustment = std::ranges::find(stages, "adjustment");
@@ -81,11 +98,13 @@ PartResult JoinParts(const JoinRequest& request) {
   posed.until = "adjustment";
   Run(request, posed, united, mark);
   const auto worlds = WorldsIn(whole.out);
-  PartRequest rest = whole;
-  rest.force = false;
+  const PartRequest rest = AfterAdjustment(request, stages);
   if (worlds.size() < 2) return Run(request, rest, std::move(united), mark);
-  const JoinRequest largest = LargestWorld(request, worlds);
-  return Run(largest, rest, UniteParts(largest.outs, whole.out), mark);
+  JoinRequest largest = request;
+  for (std::string& sentence : KeepLargestWorld(worlds, folders)) {
+    largest.missing.push_back(std::move(sentence));
+  }
+  return Run(largest, rest, UniteParts(folders, whole.out), mark);
 }
 
 }  // namespace rigmap

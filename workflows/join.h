@@ -19,10 +19,10 @@ struct JoinRequest {
 
 // Leaves in whole.out what a part's folder holds, of all parts as one. Where nothing measured ties
 // some of them to the others, the world with most frames is all that is joined, the rest is named
-// and stays as it is, and the result is not trusted. Throws UsageError and
-// DataError, before anything is written, where a folder holds no part that can be joined, where
-// parts were given different rigs or made with different options, and where they disagree about a
-// frame that they share.
+// and stays as it is, and the result is not trusted. Throws UsageError and DataError, before
+// anything is written, where a folder is given twice or holds no part that can be joined, where
+// parts were given different rigs or made with different options, where they disagree about a frame
+// that they share, and where use_rtk has no fixes or antenna.
 PartResult JoinParts(const JoinRequest& request);
 
 }  // namespace rigmap

@@ -57,7 +57,8 @@ int SayHowItEnded(const PartResult& result, const PartArguments& arguments) {
   }
   if (!arguments.quiet) {
     const bool partial = result.status == PartStatus::kPartial;
-    fmt::print(stderr, "{}rigmap: {}{}; results in {}\n", VerdictLines(arguments.out),
+    fmt::print(stderr, "{}rigmap: {}{}; results in {}\n",
+               result.summarised ? VerdictLines(arguments.out) : "",
                arguments.until.empty() ? "done" : "done up to " + arguments.until,
                partial ? ", " + result.reason : "", arguments.out);
   }
@@ -214,11 +215,8 @@ int main(int argc, char** argv) {
   } catch (const rigmap::UsageError& error) {
     rigmap::SayLast(error.what());
     return rigmap::kExitUsage;
-  } catch (const std::filesystem::filesystem_error& error) {
-    rigmap::SayLast(fmt::format("{}: {}", error.path1().string(), error.code().message()));
-    return rigmap::kExitFailed;
   } catch (const std::exception& error) {
-    rigmap::SayLast(error.what());
+    rigmap::SayLast(rigmap::ReasonOf(error));
     return rigmap::kExitFailed;
   }
 }

@@ -1,12 +1,17 @@
 #include "workflows/reconstruct_part.h"
 
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <filesystem>
 #include <opencv2/core.hpp>
 
+#include "core/error.h"
 #include "dataset/open_dataset.h"
 #include "workflows/evaluate_part.h"
 #include "workflows/run_in_folder.h"
 #include "workflows/stages/compare_result.h"
+#include "workflows/stages/dense.h"
 
 namespace rigmap {
 namespace {
@@ -22,7 +27,24 @@ Dataset OpenWithTruth(const PartRequest& request) {
   return dataset;
 }
 
+bool MatchesDensely(const PartRequest& request) {
+  const StageGraph recipe = MakeRecipe(request.technique, {}, {}, request.options);
+  const auto stages = recipe.StageNames();
+  if (!std::ranges::count(stages, "dense")) return false;
+  return !request.until ||
+         recipe.Ancestors(recipe.IndexOf(*request.until))[recipe.IndexOf("dense")];
+}
+
 }  // namespace
+
+std::string ReasonOf(const std::exception& error) {
+  if (const auto* of_file = dynamic_cast<const fs::filesystem_error*>(&error)) {
+    return Legible(fmt::format("{}: {}", of_file->path1().string(), of_file->code().message()));
+  }
+  std::string reason = error.what();
+  while (!reason.empty() && reason.back() == '\n') reason.pop_back();  // as OpenCV ends it
+  return Legible(reason);
+}
 
 PartResult ReconstructPart(const PartRequest& request) {
   cv::setNumThreads(1);  // of every part in this process: the work is split over frames
@@ -31,7 +53,12 @@ PartResult ReconstructPart(const PartRequest& request) {
     return MakeRecipe(request.technique, dataset, content, request.options);
   };
   return job.Run([&] {
-    return RunInFolder({request, NameOf(request.technique), recipe}, OpenWithTruth(request), job);
+    Dataset dataset = OpenWithTruth(request);
+    if (MatchesDensely(request)) {
+      const PartOptions& o = request.options;
+      RequireMemoryForDepth(dataset.rig, o.dense, o.masks, request.memory_mb);
+    }
+    return RunInFolder({request, NameOf(request.technique), recipe}, std::move(dataset), job);
   });
 }
 

@@ -27,6 +27,10 @@ int SharedFrames(const std::vector<std::string>& a, const std::vector<std::strin
       b, [&](const std::string& key) { return !key.empty() && known.contains(key); }));
 }
 
+StereoRig RigBeforePool(const PooledRig& file) {
+  return file.pool ? WithCalibrationOf(file.pool->start, file.rig) : file.rig;
+}
+
 StereoRig RigWithout(const RigPool& pool, const RigWithoutPart& part) {
   StereoRig rig = Corrected(pool.start, part.correction);
   rig.calibration_covariance = part.covariance;
@@ -45,7 +49,7 @@ std::optional<PriorWithoutPart> WithoutPart(const PooledRig& file,
     return PriorWithoutPart{WithCalibrationOf(RigWithout(*file.pool, *shared.front()), file.rig),
                             "the rig file contains this part; its prior leaves it out"};
   }
-  return PriorWithoutPart{WithCalibrationOf(file.pool->start, file.rig),
+  return PriorWithoutPart{RigBeforePool(file),
                           "the rig file contains several parts with frames of this one; its prior "
                           "is what the file knew before any of them"};
 }

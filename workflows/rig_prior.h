@@ -20,6 +20,9 @@ struct PriorWithoutPart {
 std::optional<PriorWithoutPart> WithoutPart(const PooledRig& file,
                                             const std::vector<std::string>& images);
 
+// The rig of the file with the calibration that it had before any part of its pool was seen.
+StereoRig RigBeforePool(const PooledRig& file);
+
 // The rig as all parts of the pool but this one tell it.
 StereoRig RigWithout(const RigPool& pool, const RigWithoutPart& part);
 

@@ -15,13 +15,12 @@
 #include "workflows/report.h"
 #include "workflows/rig_prior.h"
 #include "workflows/stages/database.h"
+#include "workflows/stages/features.h"
 
 namespace rigmap {
 namespace {
 
 namespace fs = std::filesystem;
-
-fs::path HashesPath(const fs::path& root) { return root / "stages" / "hashes.bin"; }
 
 void WriteOutcome(const fs::path& root, const FolderRun& run, const Ledger& ledger,
                   const std::string& failure) {
@@ -59,12 +58,16 @@ void RenewLinks(const fs::path& root, const Dataset& dataset) {
 // What a run has found out about its input before it begins.
 struct KnownInput {
   Dataset dataset;
+  PooledRig rig_file;
   FileHashes hashes;  // of its files
   DatasetContent content;
 
   KnownInput(Dataset opened, const fs::path& remembered)
-      : dataset(std::move(opened)), hashes(remembered), content(HashContent(dataset, hashes)) {
-    const auto prior = WithoutPart({dataset.rig, dataset.rig_pool}, content.images);
+      : dataset(std::move(opened)),
+        rig_file{dataset.rig, dataset.rig_pool},
+        hashes(remembered),
+        content(HashContent(dataset, hashes)) {
+    const auto prior = WithoutPart(rig_file, content.images);
     if (!prior) return;
     dataset.rig = prior->rig;
     content.rig = HashRig(dataset, hashes);
@@ -87,6 +90,8 @@ Ledger RunRecipe(const FolderRun& run, const fs::path& root, const KnownInput& i
 
 }  // namespace
 
+fs::path HashesPath(const fs::path& root) { return root / "stages" / "hashes.bin"; }
+
 PartResult RunInFolder(const FolderRun& run, Dataset dataset, Job& job) {
   const PartRequest& request = run.request;
   const fs::path root = fs::absolute(request.out);
@@ -99,6 +104,7 @@ PartResult RunInFolder(const FolderRun& run, Dataset dataset, Job& job) {
   RequireOwnOutput(root, mark, request.force);
   ClaimOutput(root, mark, request.force);
   try {
+    WriteJoinableRig(root, input.rig_file);
     const Ledger ledger = RunRecipe(run, root, input, job);
     WriteOutcome(root, run, ledger, "");
     TryToWriteReport(root, &input.dataset);

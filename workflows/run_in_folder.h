@@ -23,6 +23,9 @@ struct FolderRun {
   std::optional<FolderMark> mark = {};  // nothing: that of the data
 };
 
+// In an output folder, the hashes of the files that its results were made from.
+std::filesystem::path HashesPath(const std::filesystem::path& root);
+
 // As ReconstructPart, which is this with a part's data and a technique's recipe.
 PartResult RunInFolder(const FolderRun& run, Dataset dataset, Job& job);
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <exception>
 #include <mutex>
 #include <nlohmann/json.hpp>
@@ -15,30 +16,33 @@
 #include "workflows/disk_space.h"
 #include "workflows/join.h"
 #include "workflows/output_folder.h"
+#include "workflows/stages/satellite_fixes.h"
 
 namespace rigmap {
 namespace {
 
 namespace fs = std::filesystem;
 
-// What --truth means for one part: of a folder with one for each part its own.
-std::optional<fs::path> TruthOfPart(const std::optional<fs::path>& truth, const PartJob& job) {
-  if (!truth || !fs::is_directory(*truth) || fs::exists(*truth / "trajectory.tum")) return truth;
-  const fs::path own = *truth / fmt::format("Part{}", job.dataset.part.value_or(1));
-  return fs::exists(own / "trajectory.tum") ? std::optional(own) : std::nullopt;
-}
+constexpr const char* kFirstToJoin = "odometry";  // stage of a part
 
 PartRequest RequestOf(const PartJob& job, const RunRequest& request) {
   PartRequest part = request.part;
   part.dataset = job.dataset;
   part.out = request.part.out / "parts" / job.name;
-  part.truth = TruthOfPart(request.part.truth, job);
+  part.truth = job.truth;
   return part;
+}
+
+// Whether the parts come as far as a join needs them.
+bool CanBeJoined(const PartRequest& part) {
+  if (!part.until) return true;
+  const auto stages = StageNames(Technique::kRig);
+  return std::ranges::find(stages, *part.until) >= std::ranges::find(stages, kFirstToJoin);
 }
 
 // What is about to happen, for people.
 void Announce(const TraversePlan& plan, const PartRequest& part) {
-  double seconds = 0.0;
+  double seconds = CanBeJoined(part) ? EstimatedJoinSeconds(plan, part.threads) : 0.0;
   for (const PartJob& job : plan.jobs) seconds += EstimatedSeconds(job, part.threads);
   const int at_once = PartsAtOnce(plan, part.threads, part.memory_mb);
   fmt::print(stderr,
@@ -46,6 +50,11 @@ void Announce(const TraversePlan& plan, const PartRequest& part) {
              plan.jobs.size(), PairsOf(plan), at_once, std::ceil(seconds / 60.0),
              1e-3 * EstimatedDiskMegabytes(plan));
 }
+
+struct PartFailure {
+  std::string sentence;
+  bool wrong_usage = false;
+};
 
 // The parts of a plan, several at the same time.
 class Parts {
@@ -56,28 +65,17 @@ class Parts {
         at_once_(PartsAtOnce(plan, request.part.threads, request.part.memory_mb)),
         failures_(plan.jobs.size()) {}
 
-  // Why each could not be done; nothing of those that were. What is wrong with the request is
-  // thrown once the parts at work have ended.
-  std::vector<std::optional<std::string>> Do() && {
+  std::vector<std::optional<PartFailure>> Do() && {
     std::vector<std::thread> others;
     for (int i = 1; i < at_once_; ++i) others.emplace_back([this] { Work(); });
     Work();
     for (std::thread& other : others) other.join();
-    if (end_) std::rethrow_exception(end_);
     return std::move(failures_);
   }
 
  private:
   void Work() {
-    while (const auto index = Next()) {
-      try {
-        DoPart(*index);
-      } catch (...) {  // a wrong request, the same for every part, or worse
-        const std::lock_guard lock(mutex_);
-        end_ = std::current_exception();
-        next_ = plan_.jobs.size();
-      }
-    }
+    while (const auto index = Next()) DoPart(*index);
   }
 
   std::optional<std::size_t> Next() {
@@ -102,23 +100,63 @@ class Parts {
       if (result.status == PartStatus::kUntrusted) {
         fmt::print(stderr, "part {} is not trusted by itself: {}\n", job.name, result.reason);
       }
-    } catch (const UsageError&) {
-      throw;
-    } catch (const Error& error) {
-      failures_[index] = fmt::format("part {} failed: {}", job.name, error.what());
-      fmt::print(stderr, "{}\n", *failures_[index]);
+    } catch (const std::exception& error) {  // of whatever kind: the others can be done
+      failures_[index] = {fmt::format("part {} failed: {}", job.name, ReasonOf(error)),
+                          dynamic_cast<const UsageError*>(&error) != nullptr};
+      fmt::print(stderr, "{}\n", failures_[index]->sentence);
     }
   }
 
   const TraversePlan& plan_;
   const RunRequest& request_;
   int at_once_;
-  std::vector<std::optional<std::string>>
-      failures_;  // each written by the thread that did the part
+  // Nothing of those that were done; each written by the thread that did the part.
+  std::vector<std::optional<PartFailure>> failures_;
   std::mutex mutex_;
   std::size_t next_ = 0;
-  std::exception_ptr end_;
 };
+
+// Known to be wrong now, not when all work is done.
+void RequireFixesOf(const TraversePlan& plan) {
+  std::size_t fixes = 0;
+  for (const PartData& part : plan.parts) fixes += static_cast<std::size_t>(part.fixes);
+  for (const PartData& part : plan.parts) {
+    if (IsUsable(part)) RequireFixes(part.rig, part.antenna, fixes);
+  }
+}
+
+// The folders of the parts that were done, and what is missing. Throws where there is none.
+JoinRequest WhatWasDone(const TraversePlan& plan,
+                        const std::vector<std::optional<PartFailure>>& failures,
+                        const RunRequest& request) {
+  JoinRequest join{{}, request.part, request.use_rtk};
+  for (const PartData& part : plan.parts) {
+    if (IsUsable(part)) continue;
+    join.missing.push_back(fmt::format("part {} failed: {}", part.name, part.remarks.back()));
+  }
+  bool wrong_usage = false;
+  for (std::size_t i = 0; i < plan.jobs.size(); ++i) {
+    if (failures[i]) {
+      join.missing.push_back(failures[i]->sentence);
+      wrong_usage = wrong_usage || failures[i]->wrong_usage;
+    } else {
+      join.outs.push_back(request.part.out / "parts" / plan.jobs[i].name);
+    }
+  }
+  if (!join.outs.empty()) return join;
+  const std::string sentence = fmt::format("no part could be done; {}", join.missing.front());
+  if (wrong_usage) throw UsageError(sentence);
+  throw DataError(sentence);
+}
+
+// Of parts that a join cannot take yet.
+PartResult WithoutJoin(const JoinRequest& done) {
+  if (!done.missing.empty()) throw DataError(fmt::format("{}", fmt::join(done.missing, "; ")));
+  return {.status = PartStatus::kPartial,
+          .reason = fmt::format("each part by itself: the join needs them up to {} or further",
+                                kFirstToJoin),
+          .summarised = false};
+}
 
 }  // namespace
 
@@ -127,6 +165,7 @@ PartResult RunTraverse(const RunRequest& request) {
     Job job(request.part.threads, request.part.quiet);
     return job.Run([&] { return PlanTraverse(request.plan); });
   }();
+  if (request.use_rtk) RequireFixesOf(plan);
   const fs::path& out = request.part.out;
   RequireTraverseOutput(out);
   RequireDisk(plan, out);
@@ -135,20 +174,8 @@ PartResult RunTraverse(const RunRequest& request) {
   WriteFileAtomically(out / "plan.json", [&](std::ostream& stream) {
     stream << ToJson(plan, request.plan).dump(1) << "\n";
   });
-  JoinRequest join{{}, request.part, request.use_rtk};
-  Parts parts(plan, request);
-  const auto failures = std::move(parts).Do();
-  for (std::size_t i = 0; i < plan.jobs.size(); ++i) {
-    if (failures[i]) {
-      join.missing.push_back(*failures[i]);
-    } else {
-      join.outs.push_back(out / "parts" / plan.jobs[i].name);
-    }
-  }
-  if (join.outs.empty()) {
-    throw DataError(fmt::format("no part could be done; {}", join.missing.front()));
-  }
-  return JoinParts(join);
+  const JoinRequest join = WhatWasDone(plan, Parts(plan, request).Do(), request);
+  return CanBeJoined(request.part) ? JoinParts(join) : WithoutJoin(join);
 }
 
 }  // namespace rigmap

@@ -17,9 +17,11 @@ struct RunRequest {
 };
 
 // Leaves each part in part.out/parts/<name>, the plan in part.out/plan.json and the whole, as
-// JoinParts does, in part.out. A part that fails is named, and the others are joined without it;
-// the result is then not trusted. Throws UsageError and DataError as PlanTraverse and JoinParts,
-// and DataError where no part can be done.
+// JoinParts does, in part.out. A part that fails, whatever it throws, is named, and the others are
+// joined without it; the result is then not trusted. Where part.until ends before what a join needs
+// there are the parts alone. Throws UsageError and DataError as PlanTraverse and JoinParts, before
+// any part is done where use_rtk has no fixes or antenna, and one of them where no part can be
+// done.
 PartResult RunTraverse(const RunRequest& request);
 
 }  // namespace rigmap

@@ -4,11 +4,14 @@
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "core/error.h"
 #include "core/file.h"
+#include "dataset/rig_file.h"
 #include "dataset/rover_sensor_files.h"
 #include "export/tum.h"
+#include "workflows/rig_prior.h"
 
 namespace rigmap {
 namespace {
@@ -18,6 +21,8 @@ namespace fs = std::filesystem;
 // A part's folder, opened.
 struct OpenedPart {
   fs::path root;  // absolute
+  std::string name;
+  PooledRig rig_file;
   JoinableFrames frames;
   Odometry odometry;
   std::optional<DepthIndex> depths;
@@ -35,27 +40,51 @@ std::string StatusOf(const fs::path& root) {
   return summary.is_object() ? summary.value("status", "") : "";
 }
 
-OpenedPart Open(const fs::path& root) {
-  return {fs::weakly_canonical(root),
-          ReadJoinableFrames(root),
-          ReadJoinableOdometry(root),
-          ReadJoinableDepths(root),
-          StatusOf(root),
-          fs::exists(root / "trajectory.tum") ? ReadTum(root / "trajectory.tum")
-                                              : std::vector<TumPose>()};
+OpenedPart Open(const PartFolder& folder) {
+  const fs::path& root = folder.root;
+  const fs::path tum = root / "trajectory.tum";
+  OpenedPart part{root,
+                  folder.name,
+                  ReadJoinableRig(root),
+                  ReadJoinableFrames(root),
+                  ReadJoinableOdometry(root),
+                  ReadJoinableDepths(root),
+                  StatusOf(root),
+                  fs::exists(tum) ? ReadTum(tum) : std::vector<TumPose>()};
+  Dataset& dataset = part.frames.dataset;
+  part.rig_file.rig.source = dataset.rig.source;
+  // The whole has a prior of its own.
+  if (const auto prior = WithoutPart(part.rig_file, part.frames.content.images)) {
+    std::erase(dataset.health.remarks, prior->remark);
+  }
+  return part;
 }
 
 void RequireAlike(const OpenedPart& first, const OpenedPart& other) {
-  if (DescribeRig(first.frames.rig) != DescribeRig(other.frames.rig)) {
+  const StereoRig rig = RigBeforePool(first.rig_file), found = RigBeforePool(other.rig_file);
+  if (DescribeRig(rig) != DescribeRig(found)) {
     throw DataError(fmt::format("{}: expected the rig of {} ({}), found another ({})",
-                                other.root.string(), first.root.string(), first.frames.rig.source,
-                                other.frames.rig.source));
+                                other.root.string(), first.root.string(), rig.source,
+                                found.source));
   }
   if (first.frames.features.how != other.frames.features.how) {
     throw DataError(fmt::format(
         "{}: expected keypoints found with the same options as those of {}, found others",
         other.root.string(), first.root.string()));
   }
+}
+
+std::string DescribeFile(const PooledRig& file) {
+  return WritePooledRigFile({WithoutMasks(file.rig), file.pool});
+}
+
+// What the whole begins with: the file of all parts or, where their pools differ, none of these.
+PooledRig RigFileOfAll(const std::vector<OpenedPart>& parts) {
+  const PooledRig& first = parts.front().rig_file;
+  const std::string described = DescribeFile(first);
+  const bool same = std::ranges::all_of(
+      parts, [&](const OpenedPart& part) { return DescribeFile(part.rig_file) == described; });
+  return same ? first : PooledRig{RigBeforePool(first), {}};
 }
 
 // One frame of one part.
@@ -75,7 +104,9 @@ class Uniter {
 
   UnionOfParts Unite() {
     result_.dataset.format = parts_.front().frames.dataset.format;
-    result_.dataset.rig = parts_.front().frames.rig;
+    PooledRig rig_file = RigFileOfAll(parts_);
+    result_.dataset.rig = std::move(rig_file.rig);
+    result_.dataset.rig_pool = std::move(rig_file.pool);
     for (const OpenedPart& part : parts_) AddPart(part);
     for (std::size_t i = 0; i < frames_.size(); ++i) {
       const bool is_new = i == 0 || StampOf(frames_[i]) != StampOf(frames_[i - 1]);
@@ -99,7 +130,7 @@ class Uniter {
   void AddPart(const OpenedPart& part) {
     const Dataset& dataset = part.frames.dataset;
     result_.parts.parts.push_back(
-        {part.root.filename().string(), static_cast<int>(dataset.frames.size()), 0, part.status});
+        {part.name, static_cast<int>(dataset.frames.size()), 0, part.status});
     const auto& px = part.frames.features.epipolar_px;
     result_.parts.epipolar_px.insert(result_.parts.epipolar_px.end(), px.begin(), px.end());
     DatasetHealth& health = result_.dataset.health;
@@ -209,6 +240,24 @@ class Uniter {
   UnionOfParts result_;
 };
 
+// "a-b" of the last two of /x/a/b.
+std::string LastNames(const fs::path& root, std::size_t count) {
+  const fs::path below = root.relative_path();
+  const std::vector<fs::path> names(below.begin(), below.end());
+  std::string text;
+  for (std::size_t i = names.size() - std::min(count, names.size()); i < names.size(); ++i) {
+    if (!text.empty()) text.push_back('-');
+    text += names[i].string();
+  }
+  return text;
+}
+
+bool AreNamedApart(const std::vector<PartFolder>& folders) {
+  std::set<std::string> names;
+  for (const PartFolder& folder : folders) names.insert(folder.name);
+  return names.size() == folders.size();
+}
+
 }  // namespace
 
 FolderMark UnionOfParts::Mark() const {
@@ -217,15 +266,32 @@ FolderMark UnionOfParts::Mark() const {
   return MarkOf(dataset, content);
 }
 
-std::string PartName(const fs::path& out) {
-  const fs::path whole = fs::weakly_canonical(out);
-  return whole.has_filename() ? whole.filename().string() : whole.parent_path().filename().string();
+std::vector<PartFolder> NameParts(const std::vector<fs::path>& outs) {
+  if (outs.empty()) throw UsageError("join: expected folders with parts, found none");
+  std::vector<PartFolder> folders;
+  std::size_t longest = 0;
+  for (const fs::path& out : outs) {
+    fs::path root = fs::weakly_canonical(out);
+    if (!root.has_filename()) root = root.parent_path();
+    if (std::ranges::count(folders, root, &PartFolder::root) > 0) {
+      throw UsageError(
+          fmt::format("join: expected each folder once, found {} twice", out.string()));
+    }
+    longest = std::max<std::size_t>(longest, std::distance(root.begin(), root.end()));
+    folders.push_back({std::move(root), ""});
+  }
+  for (std::size_t names = 1; names <= longest; ++names) {
+    for (PartFolder& folder : folders) folder.name = LastNames(folder.root, names);
+    if (AreNamedApart(folders)) return folders;
+  }
+  // a-b/1 beside a/b-1: by numbers as well.
+  for (std::size_t i = 0; i < folders.size(); ++i) folders[i].name += fmt::format("-{}", i + 1);
+  return folders;
 }
 
-UnionOfParts UniteParts(const std::vector<fs::path>& outs, const fs::path& out) {
-  if (outs.empty()) throw UsageError("join: expected folders with parts, found none");
+UnionOfParts UniteParts(const std::vector<PartFolder>& folders, const fs::path& out) {
   std::vector<OpenedPart> parts;
-  for (const fs::path& root : outs) parts.push_back(Open(root));
+  for (const PartFolder& folder : folders) parts.push_back(Open(folder));
   for (const OpenedPart& part : parts) RequireAlike(parts.front(), part);
   std::ranges::stable_sort(parts, {}, &OpenedPart::FirstStamp);
   // All parts of a stereo folder come with its truth.

@@ -20,13 +20,20 @@ struct UnionOfParts {
   FolderMark Mark() const;
 };
 
-// What a part is called: the last of its folder's names.
-std::string PartName(const std::filesystem::path& out);
+// A part's folder and what it is called, fit for a file's name.
+struct PartFolder {
+  std::filesystem::path root;  // absolute
+  std::string name;
+};
 
-// File names in it are relative to `out`. Throws DataError where a folder holds no part that can be
-// joined, where the parts were given different rigs or features made with different options, and
-// where they disagree about a frame that they share.
-UnionOfParts UniteParts(const std::vector<std::filesystem::path>& outs,
-                        const std::filesystem::path& out);
+// By the last of their folders' names, or as many more of them as make all names different. Throws
+// UsageError where there is none or a folder is given twice.
+std::vector<PartFolder> NameParts(const std::vector<std::filesystem::path>& outs);
+
+// File names in it are relative to `out`. Its rig is that of the file that all were given, with the
+// file's pool, or else the one that they began with before any pool. Throws DataError where a
+// folder holds no part that can be joined, where the parts were given different rigs or features
+// made with different options, and where they disagree about a frame that they share.
+UnionOfParts UniteParts(const std::vector<PartFolder>& folders, const std::filesystem::path& out);
 
 }  // namespace rigmap

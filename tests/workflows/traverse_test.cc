@@ -119,6 +119,91 @@ TEST_F(TraverseTest, APartThatIsMissingIsNamedAndTheRestIsJoined) {
   EXPECT_THAT(rest.err, HasSubstr("NOT TRUSTED"));
 }
 
+// What it throws is no error of rigmap's own kind.
+TEST_F(TraverseTest, APartThatFailsForReasonsOfTheDiskIsNamedAndTheRestIsJoined) {
+  const std::vector<std::string> cut{"--split", "2", "--overlap", "1", "--until", "adjustment"};
+  ASSERT_EQ(Run(cut).exit_code, 0);
+  const fs::path parts = out_ / "parts";
+  out_ = folder_.Path() / "again";
+  fs::create_directories(out_);
+  fs::rename(parts, out_ / "parts");
+  const fs::path in_the_way = out_ / "parts" / "1.2" / "summary.json";
+  fs::remove(in_the_way);
+  fs::create_directories(in_the_way / "folder");
+  const ProgramEnd rest = Run(cut);
+  EXPECT_EQ(rest.exit_code, 3) << rest.err;
+  EXPECT_THAT(rest.err, HasSubstr("part 1.2 failed: " + in_the_way.string() + ": "));
+  EXPECT_EQ(ReadJson(out_ / "summary.json")["parts"].size(), 1U);
+}
+
+TEST_F(TraverseTest, EndsWithThePartsWhereAJoinCannotTakeThemYet) {
+  const ProgramEnd end = RunRigmap({"run", "--dataset", SimulatedPartFolder(), "--out", out_,
+                                    "--split", "2", "--overlap", "1", "--until", "features"});
+  EXPECT_EQ(end.exit_code, 0) << end.err;
+  EXPECT_THAT(end.LastErrorLine(), HasSubstr("done up to features, each part by itself"));
+  EXPECT_TRUE(fs::exists(out_ / "parts" / "1.2" / "summary.json"));
+  EXPECT_FALSE(fs::exists(out_ / "summary.json"));
+}
+
+TEST_F(TraverseTest, KnowsBeforeAnyPartIsDoneThatNoFixesCanTieIt) {
+  const ProgramEnd end = Run({"--use-rtk"});
+  EXPECT_EQ(end.exit_code, 1);
+  EXPECT_THAT(end.LastErrorLine(), HasSubstr("--use-rtk: expected"));
+  EXPECT_FALSE(fs::exists(out_));
+}
+
+TEST_F(TraverseTest, WhatIsAskedForAnewIsDoneAnewOnce) {
+  const fs::path one = folder_.Path() / "one";
+  ASSERT_NE(Part("0:5", one).exit_code, 1);
+  const ProgramEnd fixes = RunRigmap({"join", one, "--out", out_, "--use-rtk"});
+  EXPECT_EQ(fixes.exit_code, 1);
+  EXPECT_THAT(fixes.LastErrorLine(), HasSubstr("--use-rtk: expected"));
+  EXPECT_FALSE(fs::exists(out_));
+
+  const auto join = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> arguments{"join", one, "--out", out_, "--quiet"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    ASSERT_NE(RunRigmap(arguments).exit_code, 1);
+  };
+  join({"--until", "pose_graph"});
+  join({"--until", "pose_graph", "--from", "matching"});
+  for (const json& stage : ReadJson(out_ / "summary.json")["stages"]) {
+    // The second of its two runs, which goes on from the adjustment.
+    if (stage["name"] == "matching") {
+      EXPECT_EQ(stage["reused"], true);
+    }
+  }
+}
+
+TEST_F(TraverseTest, APartOfTheDataThatCannotBeUsedIsLeftOutOfThePlan) {
+  const fs::path data = folder_.Path() / "katwijk";
+  fs::create_directories(data / "Part1" / "LocCam");
+  fs::create_directories(data / "Part2" / "LocCam");
+  fs::copy(SimulatedPartFolder() / "calib.yaml", data / "rig.yaml");
+  const auto put = [&](const char* part, const char* eye, int second) {
+    const std::string name = "LocCam_2015_11_26_15_23_" + std::to_string(second) + "_619_" +
+                             (eye[0] == 'l' ? "0.png" : "1.png");
+    fs::copy(SimulatedPartFolder() / eye / "0000.png", data / part / "LocCam" / name);
+  };
+  for (const int second : {36, 37, 38}) {
+    put("Part1", "left", second);
+    put("Part1", "right", second);
+  }
+  put("Part2", "left", 50);  // without a right one
+  const ProgramEnd end = RunRigmap({"plan", "--dataset", data, "--quiet"});
+  ASSERT_EQ(end.exit_code, 0) << end.err;
+  const json plan = json::parse(end.out);
+  ASSERT_EQ(plan["parts"].size(), 2U);
+  EXPECT_EQ(plan["parts"][1]["pairs"], 0);
+  EXPECT_THAT(plan["parts"][1]["remarks"][0].get<std::string>(), HasSubstr("Part2"));
+  ASSERT_EQ(plan["jobs"].size(), 1U);
+  EXPECT_EQ(plan["jobs"][0]["name"], "1");
+  EXPECT_THAT(RunRigmap({"plan", "--dataset", data, "--quiet", "--sbatch"}).out,
+              HasSubstr("# Part 2 is left out: "));
+  // Of nothing else there is no plan.
+  EXPECT_EQ(RunRigmap({"plan", "--dataset", data, "--part", "2", "--quiet"}).exit_code, 1);
+}
+
 TEST_F(TraverseTest, APlanTellsWhatThereIsAndWhatToRun) {
   const ProgramEnd end = RunRigmap(
       {"plan", "--dataset", SimulatedPartFolder(), "--split", "2", "--overlap", "1", "--quiet"});
@@ -132,14 +217,16 @@ TEST_F(TraverseTest, APlanTellsWhatThereIsAndWhatToRun) {
             json({"--dataset", SimulatedPartFolder().string(), "--frames", "0:5"}));
   EXPECT_EQ(plan["jobs"][1]["arguments"].back(), "4:8");
   EXPECT_GT(plan["jobs"][0]["minutes"], 0);
+  EXPECT_GT(plan["total"]["minutes_of_the_join"], 0);
 }
 
 TEST_F(TraverseTest, ThePlanAsAScriptForABatchSystemIsOneThatAShellTakes) {
   const ProgramEnd end = RunRigmap({"plan", "--dataset", SimulatedPartFolder(), "--split", "2",
                                     "--overlap", "1", "--sbatch", "--set", "dense.blocks=it's"});
   ASSERT_EQ(end.exit_code, 2);  // no such option
-  const ProgramEnd script = RunRigmap({"plan", "--dataset", SimulatedPartFolder(), "--split", "2",
-                                       "--overlap", "1", "--sbatch", "--quiet"});
+  const ProgramEnd script =
+      RunRigmap({"plan", "--dataset", SimulatedPartFolder(), "--split", "2", "--overlap", "1",
+                 "--sbatch", "--quiet", "--accuracy", "0.5", "--truth", SimulatedPartFolder()});
   ASSERT_EQ(script.exit_code, 0) << script.err;
   EXPECT_THAT(script.out, HasSubstr("#SBATCH --array=0-1\n"));
   const fs::path file = folder_.Path() / "job.sh";
@@ -156,6 +243,8 @@ TEST_F(TraverseTest, ThePlanAsAScriptForABatchSystemIsOneThatAShellTakes) {
                                        folder_.Path().string() + "/o bash " + file.string()});
   ASSERT_EQ(task.exit_code, 0) << task.err;
   EXPECT_THAT(task.out, HasSubstr("[--frames]\n[4:8]\n"));
+  EXPECT_THAT(task.out, HasSubstr("[--accuracy]\n[0.5]\n"));
+  EXPECT_THAT(task.out, HasSubstr("[--truth]\n[" + SimulatedPartFolder().string() + "]\n"));
   EXPECT_THAT(task.out, EndsWith("/o/parts/1.2]\n"));
 }
 
@@ -167,10 +256,12 @@ TEST_F(TraverseTest, CutsThatCannotBeAreRefused) {
     EXPECT_EQ(end.exit_code, 2);
     return end.LastErrorLine();
   };
-  EXPECT_THAT(refused({"--split", "3"}), HasSubstr("expected at least 63 pairs for 3 jobs"));
+  EXPECT_THAT(refused({"--split", "3"}), HasSubstr("expected at least 43 pairs for 3 jobs"));
   EXPECT_THAT(refused({"--split", "0"}), HasSubstr("expected 1 or more"));
   EXPECT_THAT(refused({"--split", "2", "--max-frames", "4"}), HasSubstr("found both"));
   EXPECT_THAT(refused({"--max-frames", "4"}), HasSubstr("more than twice the overlap"));
+  EXPECT_THAT(refused({"--max-frames", "7", "--overlap", "3"}),
+              HasSubstr("--max-frames 7: expected at least 11 pairs for 2 jobs"));
 }
 
 TEST_F(TraverseTest, WhatIsNoPartOrOfAnotherRigIsRefusedAndNothingWritten) {

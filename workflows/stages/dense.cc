@@ -1,16 +1,19 @@
 #include "workflows/stages/dense.h"
 
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <limits>
+#include <mutex>
 
 #include "core/artefact.h"
 #include "core/error.h"
 #include "core/freed_memory.h"
 #include "core/job.h"
-#include "core/memory_peak.h"
 #include "core/memory_share.h"
 #include "core/progress.h"
 #include "core/statistics.h"
@@ -59,17 +62,32 @@ std::vector<int> DenseFrames(const Trajectory& trajectory, const FeatureIndex& f
   return frames;
 }
 
-// How many frames may be dense-matched at once within what --memory allows the whole process.
-int DenseThreads(const DenseMatcher& matcher, const StageContext& context) {
-  const double present_mb = ResidentMegabytes(), frame_mb = matcher.MegabytesPerFrame();
-  if (present_mb + frame_mb > context.memory_mb) {
-    throw UsageError(fmt::format(
-        "--memory: expected at least {:.0f} MB, for images as large as these, found {}; "
-        "dense.min_depth_m, if more than {:.2g} m, needs less",
-        std::ceil(present_mb + frame_mb), context.memory_mb, matcher.nearest_m()));
-  }
-  return std::clamp(static_cast<int>(MemoryShare(context.memory_mb) / frame_mb), 1,
-                    context.threads);
+// Of the program, and of each pair of a part (docs/traverse.md).
+constexpr double kProgram_mb = 150.0, kPair_mb = 1.0;
+
+// What dense matching may take, megabytes: of what is free now an even share but, beside other
+// parts at work, no less than is left to a part that keeps to its share of the whole.
+double RoomForDepth(std::size_t pairs, double allowed_mb) {
+  const int sharing = Job::Current()->sharing();
+  const double free_mb = MemoryShare(allowed_mb);
+  if (sharing == 1) return free_mb;
+  return std::max(free_mb,
+                  allowed_mb / sharing - kProgram_mb - kPair_mb * static_cast<double>(pairs));
+}
+
+// Calls `match` for each of so many frames, as many at once as memory allows.
+void MatchEach(std::size_t frames, int at_once, const std::function<void(std::size_t)>& match) {
+  static std::mutex only_one;  // in the process: frames that do not fit beside each other
+  Job::Current()->RunWithThreads(std::max(1, at_once), [&] {
+    if (at_once > 0) {
+      tbb::parallel_for(std::size_t{0}, frames, match);
+      return;
+    }
+    for (std::size_t i = 0; i < frames; ++i) {
+      const std::lock_guard lock(only_one);
+      match(i);
+    }
+  });
 }
 
 // What is asked of the matcher, whatever the frames.
@@ -88,6 +106,20 @@ DepthIndex IndexFor(const StereoRig& rig, const SeenDepths& seen, const VoxelOpt
   return index;
 }
 
+// What of a rig depth depends on; masks by their pixels, not their names.
+std::string DescribeForDepth(const StereoRig& rig) {
+  StereoRig cameras;
+  cameras.left = rig.left;
+  cameras.right = rig.right;
+  cameras.right_from_left = rig.right_from_left;
+  std::string text = DescribeRig(cameras);
+  for (const Eye eye : kEyes) {
+    const std::string& path = rig.Of(eye).mask_path;
+    text += path.empty() ? "no mask\n" : HashFile(path) + "\n";
+  }
+  return text;
+}
+
 // The depth of the index's frames.
 DepthIndex MatchFrames(const StageContext& context, const Dataset& dataset,
                        const DatasetContent& content, const RigFixedCells& fixed,
@@ -100,8 +132,8 @@ DepthIndex MatchFrames(const StageContext& context, const Dataset& dataset,
   const DenseMatcher matcher(rig, nearest_m, options, masks,
                              fixed.Mask(camera.width, camera.height));
   index.view_mb = matcher.MegabytesPerView();
-  index.how = HashText(std::string(CodeHere()) + content.rig + DescribeRig(rig) +
-                       OptionsText(options) + OptionsText(masks));
+  index.how = HashText(std::string(CodeHere()) + DescribeForDepth(rig) + OptionsText(options) +
+                       OptionsText(masks));
   const std::string how =
       index.how + std::string(fixed.fixed.begin(), fixed.fixed.end()) + std::to_string(nearest_m);
   std::vector<FrameFile> own;  // not those of parts
@@ -117,21 +149,22 @@ DepthIndex MatchFrames(const StageContext& context, const Dataset& dataset,
   }
   std::vector<std::optional<double>> biases(index.frames.size());
   Progress progress("dense", index.frames.size());
-  Job::Current()->RunWithThreads(DenseThreads(matcher, context), [&] {
-    tbb::parallel_for(std::size_t{0}, index.frames.size(), [&](std::size_t i) {
-      const int frame = index.frames[i];
-      const FrameFile& file = index.files[i];
-      const auto path = file.In(context.root);
-      std::optional<DepthMap> depth;
-      if (context.may_reuse || !is_own[i]) depth = LoadDepth(path, file.key);
-      if (!depth) {
-        depth = matcher.Compute(dataset.frames[frame]);
-        SaveDepth(path, file.key, *depth);
-        ReturnFreedMemory(kKeptShare * context.memory_mb);
-      }
-      biases[i] = DisparityBiasPx(*depth, points_in_left[frame]);
-      progress.Advance();
-    });
+  const int at_once = FramesAtOnce(
+      matcher.MegabytesPerFrame(), nearest_m,
+      {RoomForDepth(dataset.frames.size(), context.memory_mb), context.memory_mb, context.threads});
+  MatchEach(index.frames.size(), at_once, [&](std::size_t i) {
+    const int frame = index.frames[i];
+    const FrameFile& file = index.files[i];
+    const auto path = file.In(context.root);
+    std::optional<DepthMap> depth;
+    if (context.may_reuse || !is_own[i]) depth = LoadDepth(path, file.key);
+    if (!depth) {
+      depth = matcher.Compute(dataset.frames[frame]);
+      SaveDepth(path, file.key, *depth);
+      ReturnFreedMemory(kKeptShare * context.memory_mb);
+    }
+    biases[i] = DisparityBiasPx(*depth, points_in_left[frame]);
+    progress.Advance();
   });
   ForgetOlderFrames(context.root, own);
   index.bias_px = MedianOfKnown(biases);
@@ -191,6 +224,34 @@ bool AreDepthsThere(const StageContext& context, const DepthIndex& index) {
 }
 
 }  // namespace
+
+int FramesAtOnce(double frame_mb, double nearest_m, const DenseRoom& room) {
+  if (kProgram_mb + frame_mb > room.allowed_mb) {
+    throw UsageError(fmt::format(
+        "--memory: expected at least {:.0f} MB, for images as large as these, found {}{}",
+        std::ceil(kProgram_mb + frame_mb), room.allowed_mb,
+        std::isfinite(nearest_m)
+            ? fmt::format("; dense.min_depth_m, if more than {:.2g} m, needs less", nearest_m)
+            : ""));
+  }
+  const int at_once = std::min(static_cast<int>(room.room_mb / frame_mb), room.threads);
+  if (at_once > 0) return at_once;
+  spdlog::warn(
+      "depth maps are made one at a time and may take more than --memory: of {} MB {:.0f} are "
+      "left, "
+      "and one takes {:.0f}",
+      room.allowed_mb, std::max(0.0, room.room_mb), frame_mb);
+  return 0;
+}
+
+void RequireMemoryForDepth(const StereoRig& rig, const DenseOptions& options,
+                           const MaskOptions& masks, int allowed_mb) {
+  // Without a search for what is near a frame needs least.
+  const double nearest_m =
+      options.min_depth_m > 0.0 ? options.min_depth_m : std::numeric_limits<double>::infinity();
+  const double frame_mb = DenseMatcher(rig, nearest_m, options, masks).MegabytesPerFrame();
+  FramesAtOnce(frame_mb, nearest_m, {static_cast<double>(allowed_mb), allowed_mb, 1});
+}
 
 DenseStage DenseMatching() {
   return {.name = "dense",

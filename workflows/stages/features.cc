@@ -13,6 +13,33 @@ namespace rigmap {
 namespace {
 
 constexpr const char* kJoinable = "joining/frames.bin";
+constexpr const char* kJoinableRig = "joining/rig.bin";
+
+struct StoredRigFile {
+  PooledRig file;
+
+  template <class Archive>
+  void save(Archive& archive) const {
+    archive(file.rig, file.pool.has_value());
+    if (!file.pool) return;
+    archive(file.pool->start, file.pool->parts.size());
+    for (const RigWithoutPart& part : file.pool->parts) {
+      archive(part.frames, part.correction, part.covariance);
+    }
+  }
+  template <class Archive>
+  void load(Archive& archive) {
+    bool is_pooled = false;
+    archive(file.rig, is_pooled);
+    if (!is_pooled) return;
+    std::size_t parts = 0;
+    archive(file.pool.emplace().start, parts);
+    for (std::size_t i = 0; i < parts; ++i) {
+      RigWithoutPart& part = file.pool->parts.emplace_back();
+      archive(part.frames, part.correction, part.covariance);
+    }
+  }
+};
 
 // As kept, or found now and kept.
 FrameFeatures FeaturesOf(const StereoFrame& frame, const FrameFile& file, const FeatureSetup& setup,
@@ -72,14 +99,7 @@ Report ReportFeatures(const FeatureIndex& index, const Dataset&, const DatasetCo
 
 void PublishFeatures(Publication& publication, const StageContext&, const FeatureIndex& index,
                      const Dataset& dataset, const DatasetContent& content) {
-  StereoRig rig = dataset.rig;
-  if (dataset.rig_pool) {
-    rig = dataset.rig_pool->start;
-    rig.left.mask_path = dataset.rig.left.mask_path;
-    rig.right.mask_path = dataset.rig.right.mask_path;
-  }
-  PublishJoinable(publication, kJoinable, CodeHere(),
-                  JoinableFrames{dataset, std::move(rig), content, index});
+  PublishJoinable(publication, kJoinable, CodeHere(), JoinableFrames{dataset, content, index});
 }
 
 bool AreFeaturesThere(const StageContext& context, const FeatureIndex& index) {
@@ -103,6 +123,17 @@ FeaturesStage Features() {
 
 JoinableFrames ReadJoinableFrames(const std::filesystem::path& root) {
   return ReadJoinable<JoinableFrames>(root, kJoinable, CodeHere());
+}
+
+void WriteJoinableRig(const std::filesystem::path& root, const PooledRig& file) {
+  StoredRigFile stored{file};
+  stored.file.rig.source.clear();  // the same bytes wherever the data lie
+  std::filesystem::create_directories((root / kJoinableRig).parent_path());
+  WriteArtefact(root / kJoinableRig, HashText(CodeHere()), stored);
+}
+
+PooledRig ReadJoinableRig(const std::filesystem::path& root) {
+  return ReadJoinable<StoredRigFile>(root, kJoinableRig, CodeHere()).file;
 }
 
 FeatureStore OpenFeatures(const StageContext& context, const FeatureIndex& index) {

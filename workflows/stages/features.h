@@ -35,17 +35,22 @@ FeaturesStage Features();
 // The same name where parts are joined: theirs, as they lie.
 struct JoinableFrames {
   Dataset dataset;
-  StereoRig rig;  // of the dataset, before a pool of parts corrected it
   DatasetContent content;
   FeatureIndex features;  // files relative to the part's folder
 
   template <class Archive>
   void serialize(Archive& archive) {
-    archive(dataset, rig, content, features);
+    archive(dataset, content, features);
   }
 };
 // As the stage has left it in a part's folder. Throws DataError (joinable.h).
 JoinableFrames ReadJoinableFrames(const std::filesystem::path& root);
+
+// The rig file that a part was given, with its pool, beside them: what of a pool is the prior of a
+// part is not what is that of several. Written before the stages; without its own path.
+void WriteJoinableRig(const std::filesystem::path& root, const PooledRig& file);
+// Throws DataError as ReadJoinableFrames.
+PooledRig ReadJoinableRig(const std::filesystem::path& root);
 
 // A view: what the other stages get of them.
 FeatureStore OpenFeatures(const StageContext& context, const FeatureIndex& index);

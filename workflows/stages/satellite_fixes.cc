@@ -266,14 +266,8 @@ class FixTie {
 TiedPart MakeTied(const StageContext&, const Dataset& dataset, const AdjustedPart& part,
                   const JoinedParts& parts, const SplitFixes& fixes,
                   const RtkAlignmentOptions& options) {
-  if (!dataset.rig.antenna_in_left) {
-    throw DataError(
-        fmt::format("{}: --use-rtk: expected the antenna's place (antenna_in_left), found none",
-                    dataset.rig.source));
-  }
-  if (fixes.tying.empty() && fixes.judging.empty()) {
-    throw DataError("--use-rtk: expected satellite fixes beside the images, found none");
-  }
+  RequireFixes(dataset.rig.source, dataset.rig.antenna_in_left.has_value(),
+               fixes.tying.size() + fixes.judging.size());
   return FixTie(part, parts, fixes, *dataset.rig.antenna_in_left, options).Tie();
 }
 
@@ -289,6 +283,16 @@ Report ReportTied(const TiedPart& tied, const Dataset&, const AdjustedPart&, con
 }
 
 }  // namespace
+
+void RequireFixes(const std::string& rig_source, bool has_antenna, std::size_t fixes) {
+  if (!has_antenna) {
+    throw DataError(fmt::format(
+        "{}: --use-rtk: expected the antenna's place (antenna_in_left), found none", rig_source));
+  }
+  if (fixes == 0) {
+    throw DataError("--use-rtk: expected satellite fixes beside the images, found none");
+  }
+}
 
 SplitFixes SplitByTurns(std::vector<GnssFix> fixes) {
   std::ranges::stable_sort(fixes, {}, &GnssFix::stamp_ns);

@@ -28,6 +28,10 @@ struct TiedPart {
   }
 };
 
+// What --use-rtk needs of the rig file at `rig_source` and of the data. Throws DataError where the
+// file does not state the antenna's position or there are no fixes.
+void RequireFixes(const std::string& rig_source, bool has_antenna, std::size_t fixes);
+
 using RtkStage = Stage<TiedPart, Takes<Dataset, AdjustedPart, JoinedParts, SplitFixes>,
                        Reads<RtkAlignmentOptions>>;
 // Throws DataError where the rig does not know the antenna or there are no fixes. Publishes what

@@ -1,0 +1,52 @@
+// How much memory dense matching may take.
+#include "workflows/stages/dense.h"
+
+#include <gmock/gmock.h>
+
+#include "core/error.h"
+#include "tests/support/message_of.h"
+#include "tests/support/simulated_part.h"
+
+namespace rigmap {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+constexpr double kNearest_m = 0.5;
+
+TEST(FramesAtOnceTest, AreAsManyAsFitOrThereAreThreads) {
+  EXPECT_EQ(FramesAtOnce(100.0, kNearest_m, {350.0, 1000, 8}), 3);
+  EXPECT_EQ(FramesAtOnce(100.0, kNearest_m, {350.0, 1000, 2}), 2);
+}
+
+// What other parts or the adjustment of a large whole hold is no reason to throw the work away.
+TEST(FramesAtOnceTest, IsOneInTheProcessWhereNoneFitsBesideTheRest) {
+  EXPECT_EQ(FramesAtOnce(100.0, kNearest_m, {99.0, 1000, 8}), 0);
+  EXPECT_EQ(FramesAtOnce(100.0, kNearest_m, {-3000.0, 1000, 8}), 0);
+}
+
+TEST(FramesAtOnceTest, IsRefusedWhereOneDoesNotFitByItself) {
+  EXPECT_THAT(MessageOf<UsageError>([] {
+                FramesAtOnce(900.0, kNearest_m, {1000.0, 1000, 8});
+              }),
+              AllOf(HasSubstr("--memory: expected at least 1050 MB"), HasSubstr("found 1000"),
+                    HasSubstr("more than 0.5 m")));
+}
+
+TEST(RequireMemoryForDepthTest, KnowsBeforeAnyFrameIsReadWhatCannotFit) {
+  StereoRig rig = SmallRoverRig();
+  EXPECT_NO_THROW(RequireMemoryForDepth(rig, {}, {}, 256));
+  for (Camera* camera : {&rig.left.camera, &rig.right.camera}) {
+    camera->width = 4000;
+    camera->height = 3000;
+    for (double* length_px : {&camera->fx, &camera->fy, &camera->cx, &camera->cy}) {
+      *length_px *= 12.5;
+    }
+  }
+  EXPECT_THAT(MessageOf<UsageError>([&] { RequireMemoryForDepth(rig, {}, {}, 512); }),
+              HasSubstr("--memory: expected at least "));
+}
+
+}  // namespace
+}  // namespace rigmap
