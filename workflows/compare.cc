@@ -8,12 +8,16 @@
 #include <nlohmann/json.hpp>
 #include <tuple>
 
+#include "core/artefact.h"
 #include "core/error.h"
 #include "core/file.h"
+#include "core/job.h"
 #include "workflows/comparison.h"
 #include "workflows/evaluate_part.h"
+#include "workflows/output_folder.h"
 #include "workflows/reconstruct_part.h"
 #include "workflows/report.h"
+#include "workflows/run_in_folder.h"
 
 namespace rigmap {
 namespace {
@@ -50,6 +54,40 @@ std::string PartName(const DatasetRequest& dataset) {
   return name;
 }
 
+// The mark of any result of the part, and the folder that bears it.
+std::optional<std::pair<FolderMark, fs::path>> AnyResult(const fs::path& part) {
+  if (!fs::exists(part)) return std::nullopt;
+  for (const auto& label : fs::directory_iterator(part)) {
+    if (!label.is_directory()) continue;
+    for (const auto& folder : fs::directory_iterator(label)) {
+      if (auto mark = MarkIn(folder)) return std::pair(std::move(*mark), folder.path());
+    }
+  }
+  return std::nullopt;
+}
+
+// What tells the frames from any others; of data that cannot be opened their path.
+std::string KeyOf(const DatasetRequest& request, const fs::path& hashes) {
+  try {
+    const Dataset dataset = OpenDataset(request);
+    FileHashes known(hashes);
+    return HashContent(dataset, known).FramesKey();
+  } catch (const DataError&) {
+    return HashText(fs::absolute(request.folder).string());
+  }
+}
+
+// The part's name or, where results of other data bear it, with a few digits that tell them apart.
+std::string NameAmong(const fs::path& runs, const PartRequest& part) {
+  const std::string name = PartName(part.dataset);
+  const auto found = AnyResult(runs / name);
+  if (!found) return name;
+  Job job(part.threads, true);
+  const std::string key = job.Run([&] { return KeyOf(part.dataset, HashesPath(found->second)); });
+  constexpr int kDigits = 8;
+  return key == found->first.frames ? name : name + "-" + key.substr(0, kDigits);
+}
+
 // Every combination of the sweeps' values, as assignments; one without any if there is no sweep.
 std::vector<std::vector<std::string>> Settings(const std::vector<Sweep>& sweeps) {
   std::vector<std::vector<std::string>> settings{{}};
@@ -67,7 +105,7 @@ std::vector<std::vector<std::string>> Settings(const std::vector<Sweep>& sweeps)
 }
 
 std::vector<Run> PlanRuns(const CompareRequest& request) {
-  const std::string part = PartName(request.part->dataset);
+  const std::string part = NameAmong(request.out / "runs", *request.part);
   std::vector<Run> runs;
   for (const Technique technique : request.techniques) {
     for (const auto& setting : Settings(request.sweeps)) {

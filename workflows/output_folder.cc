@@ -126,6 +126,10 @@ FolderMark MarkOf(const Dataset& dataset, const DatasetContent& content) {
                                            FormatSeconds(frames.back().stamp_ns))};
 }
 
+std::optional<FolderMark> MarkIn(const fs::path& root) {
+  return fs::exists(root / kMarkName) ? ReadMark(root / kMarkName) : std::nullopt;
+}
+
 OutputLock::OutputLock(const fs::path& root) {
   std::error_code code;
   fs::create_directories(root, code);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,8 @@ struct FolderMark {
 };
 
 FolderMark MarkOf(const Dataset& dataset, const DatasetContent& content);
+// That a folder bears; nothing where it bears none, or one of an older rigmap.
+std::optional<FolderMark> MarkIn(const std::filesystem::path& root);
 
 // Holds the folder for this process alone until destroyed (flock, not inherited by children).
 class OutputLock {

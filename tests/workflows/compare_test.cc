@@ -14,6 +14,7 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 using testing::HasSubstr;
+using testing::StartsWith;
 
 class CompareTest : public testing::Test {
  protected:
@@ -76,6 +77,28 @@ TEST_F(CompareTest, SetsTechniquesAndSettingsSideBySideAndGoesOnFromWhatIsThere)
   const ProgramEnd stored = RunRigmap({"compare", run, "--out", folder_.Path() / "stored"});
   ASSERT_EQ(stored.exit_code, 0) << stored.err;
   EXPECT_THAT(stored.out, HasSubstr("vo"));
+}
+
+TEST_F(CompareTest, DrivesOfTheSameNameStandBesideEachOther) {
+  std::vector<fs::path> drives;
+  for (const char* parent : {"a", "b"}) {
+    fs::create_directories(folder_.Path() / parent / "drive");
+    drives.push_back(CopyOfSimulatedPart(folder_.Path() / parent / "drive"));
+  }
+  for (const char* eye : {"left", "right"}) {
+    fs::copy(drives[1] / eye / "0006.png", drives[1] / eye / "0007.png",
+             fs::copy_options::overwrite_existing);
+  }
+  // Refused, for there are no wheels: that is enough.
+  for (const fs::path& drive : {drives[0], drives[1], drives[0]}) {
+    const ProgramEnd end = RunRigmap(
+        {"compare", "--dataset", drive, "--techniques", "wheels", "--out", out_, "--quiet"});
+    ASSERT_EQ(end.exit_code, 0) << end.err;
+  }
+  const json rows = Rows();
+  ASSERT_EQ(rows.size(), 2U);
+  EXPECT_EQ(rows[0]["part"], "drive-data");
+  EXPECT_THAT(rows[1]["part"].get<std::string>(), StartsWith("drive-data-"));
 }
 
 TEST_F(CompareTest, KnowsBeforeTheFirstRunWhatCannotBe) {
