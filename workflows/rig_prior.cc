@@ -16,6 +16,7 @@ StereoRig WithCalibrationOf(const StereoRig& calibrated, const StereoRig& rig) {
   result.right.camera = calibrated.right.camera;
   result.right_from_left = calibrated.right_from_left;
   result.calibration_covariance = calibrated.calibration_covariance;
+  result.stated_sigmas = calibrated.stated_sigmas;
   return result;
 }
 

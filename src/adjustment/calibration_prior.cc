@@ -34,6 +34,16 @@ CalibrationVector SigmasOf(const StereoRig& rig, const AdjustmentOptions& option
   return sigmas;
 }
 
+AdjustmentOptions WithStated(AdjustmentOptions options, const RigSigmas& stated) {
+  options.rig_prior_deg = stated.rotation_deg.value_or(options.rig_prior_deg);
+  options.focal_prior_pct = stated.focal_pct.value_or(options.focal_prior_pct);
+  options.principal_point_prior_px =
+      stated.principal_point_px.value_or(options.principal_point_prior_px);
+  options.distortion_prior_px = stated.distortion_px.value_or(options.distortion_prior_px);
+  options.board_noise_px = stated.board_px.value_or(options.board_noise_px);
+  return options;
+}
+
 constexpr int kCornersPerSide = 7, kCorners = kCornersPerSide * kCornersPerSide;
 constexpr double kFilled = 0.5;  // of the image's height, by the nearer board
 constexpr double kAside = 0.25;  // of the image's size, from its middle
@@ -124,7 +134,8 @@ CalibrationMatrix BoardCovariance(const StereoRig& rig, const CalibrationVector&
   return covariance - with_focal * with_focal.transpose() / with_focal(kLogFocal);
 }
 
-CalibrationPrior PriorOf(const StereoRig& rig, const AdjustmentOptions& options) {
+CalibrationPrior PriorOf(const StereoRig& rig, const AdjustmentOptions& usual) {
+  const AdjustmentOptions options = WithStated(usual, rig.stated_sigmas);
   CalibrationMatrix covariance;
   if (rig.calibration_covariance) {
     covariance = *rig.calibration_covariance;

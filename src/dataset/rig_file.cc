@@ -239,6 +239,28 @@ void CheckRectified(const YamlNode& root, const Rigid3& right_from_left) {
   }
 }
 
+RigSigmas ReadRigSigmas(const YamlNode& node) {
+  RigSigmas stated;
+  for (const auto& [key, sigma] : {std::pair{"rotation_deg", &stated.rotation_deg},
+                                   {"focal_pct", &stated.focal_pct},
+                                   {"principal_point_px", &stated.principal_point_px},
+                                   {"distortion_px", &stated.distortion_px},
+                                   {"board_px", &stated.board_px}}) {
+    const YamlNode* found = node.Find(key);
+    if (!found) continue;
+    *sigma = found->AsDouble();
+    if (!(**sigma > 0.0)) {
+      throw Complaint(*found, fmt::format("expected a sigma above 0, found {}", found->scalar));
+    }
+    if (node.Find("covariance")) {
+      throw Complaint(*found, fmt::format("expected a covariance or single sigmas, found {} beside "
+                                          "a covariance",
+                                          key));
+    }
+  }
+  return stated;
+}
+
 }  // namespace
 
 CalibrationMatrix ReadCovariance(const YamlNode& node) {
@@ -276,10 +298,12 @@ StereoRig ReadRigNode(const YamlNode& root, const std::filesystem::path& path) {
   if (const YamlNode* imu = root.Find("imu_from_left")) rig.imu_from_left = ReadRigid(*imu);
   if (const YamlNode* wheels = root.Find("wheels")) rig.wheels = ReadWheelsNode(*wheels);
   if (const YamlNode* sigmas = root.Find("sigmas")) {
-    sigmas->RequireKeys({"baseline_m", "covariance"});
+    sigmas->RequireKeys({"baseline_m", "covariance", "rotation_deg", "focal_pct",
+                         "principal_point_px", "distortion_px", "board_px"});
     if (const YamlNode* baseline = sigmas->Find("baseline_m")) {
       rig.baseline_sigma_m = ReadSigma(*baseline);
     }
+    rig.stated_sigmas = ReadRigSigmas(*sigmas);
     if (const YamlNode* covariance = sigmas->Find("covariance")) {
       rig.calibration_covariance = ReadCovariance(*covariance);
     }

@@ -20,6 +20,8 @@
 //                      steered_by       6 numbers: its steering joint 1 to 4; 0: none
 //                      radius_m         optional
 //   sigmas             optional: baseline_m, one standard deviation of the baseline's length; and
+//                      either rotation_deg, focal_pct, principal_point_px, distortion_px, board_px,
+//                      each optional (RigSigmas of scene/rig.h), or
 //                      covariance, that of a correction of this rig (scene/calibration.h), 153
 //                      numbers: the upper triangle, row by row
 //   pool               optional, written by `rigmap calibrate` (scene/rig_pool.h):

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -50,6 +51,25 @@ std::string FormatRigid(const Rigid3& motion) {
                      FormatVector(motion.translation));
 }
 
+// A covariance takes the place of single sigmas.
+std::string FormatSigmas(const StereoRig& rig) {
+  std::string text;
+  const auto add = [&](const char* key, const std::optional<double>& sigma) {
+    if (sigma) text += fmt::format("  {}: {}\n", key, *sigma);
+  };
+  add("baseline_m", rig.baseline_sigma_m);
+  if (rig.calibration_covariance) {
+    return text + fmt::format("  covariance: {}\n", FormatCovariance(*rig.calibration_covariance));
+  }
+  const RigSigmas& stated = rig.stated_sigmas;
+  add("rotation_deg", stated.rotation_deg);
+  add("focal_pct", stated.focal_pct);
+  add("principal_point_px", stated.principal_point_px);
+  add("distortion_px", stated.distortion_px);
+  add("board_px", stated.board_px);
+  return text;
+}
+
 }  // namespace
 
 std::string FormatCovariance(const CalibrationMatrix& covariance) {
@@ -64,12 +84,8 @@ std::string WriteRigFile(const StereoRig& rig) {
   }
   if (rig.imu_from_left) text += fmt::format("imu_from_left:\n{}", FormatRigid(*rig.imu_from_left));
   if (rig.wheels) text += FormatWheels(*rig.wheels);
-  if (rig.baseline_sigma_m || rig.calibration_covariance) text += "sigmas:\n";
-  if (rig.baseline_sigma_m) text += fmt::format("  baseline_m: {}\n", *rig.baseline_sigma_m);
-  if (rig.calibration_covariance) {
-    text += fmt::format("  covariance: {}\n", FormatCovariance(*rig.calibration_covariance));
-  }
-  return text;
+  const std::string sigmas = FormatSigmas(rig);
+  return sigmas.empty() ? text : text + "sigmas:\n" + sigmas;
 }
 
 }  // namespace rigmap

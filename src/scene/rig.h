@@ -59,6 +59,19 @@ struct RoverWheels {
   }
 };
 
+// What a rig file states of its own calibration, each in place of the adjustment's option of what
+// is usual: how far off the right eye's rotation, focal lengths, principal points and each term of
+// the distortion (in the corner of the image) may be by themselves, and the noise of the board's
+// corners that it was calibrated with. One standard deviation each.
+struct RigSigmas {
+  std::optional<double> rotation_deg, focal_pct, principal_point_px, distortion_px, board_px;
+
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(rotation_deg, focal_pct, principal_point_px, distortion_px, board_px);
+  }
+};
+
 // Two cameras fixed to each other. Camera axes: x right, y down, z forward; the rig frame is the
 // left camera. Lengths in metres.
 struct StereoRig {
@@ -71,7 +84,8 @@ struct StereoRig {
   // Of a correction of this rig, where the file states it: what the parts that it was calibrated
   // from leave unknown.
   std::optional<CalibrationMatrix> calibration_covariance;
-  std::string source;  // file it was read from, for messages
+  RigSigmas stated_sigmas;  // where there is no covariance
+  std::string source;       // file it was read from, for messages
 
   double Baseline() const { return right_from_left.translation.norm(); }
   const RigEye& Of(Eye eye) const { return eye == Eye::kLeft ? left : right; }
@@ -79,7 +93,7 @@ struct StereoRig {
   template <class Archive>
   void serialize(Archive& archive) {
     archive(left, right, right_from_left, antenna_in_left, imu_from_left, wheels, baseline_sigma_m,
-            calibration_covariance, source);
+            calibration_covariance, stated_sigmas, source);
   }
 };
 

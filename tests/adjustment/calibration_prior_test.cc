@@ -158,6 +158,15 @@ TEST_F(Board, LeavesNoParameterBeyondTenTimesItsSigmaAlone) {
   EXPECT_LE(std::sqrt(covariance(kLeftK2, kLeftK2)), 10.0 * wide(kLeftK2));
 }
 
+TEST_F(Board, OfAFileThatStatesSigmasTheseCount) {
+  StereoRig stated = rig_;
+  stated.stated_sigmas = {.rotation_deg = 0.02, .focal_pct = 0.1, .board_px = 1e-6};
+  const CalibrationPrior prior = PriorOf(stated, {});
+  EXPECT_NEAR(prior.sigmas(kLogFocal), 0.001, 1e-9);
+  EXPECT_NEAR(prior.sigmas(kRotationY), 0.02 * std::numbers::pi / 180.0, 1e-9);
+  EXPECT_NEAR(prior.sigmas(kLeftCx), AdjustmentOptions().principal_point_prior_px, 1e-6);
+}
+
 TEST_F(Board, AndEachParameterAloneMakeAPrior) {
   const CalibrationPrior prior = PriorOf(rig_, {.board_noise_px = 1.0});
   const CalibrationMatrix expected =

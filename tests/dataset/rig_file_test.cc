@@ -193,6 +193,22 @@ TEST_F(RigFileTest, MissingKeysAreNamed) {
   EXPECT_THAT(Complaint("", "\n"), HasSubstr("key 'left' is missing"));
 }
 
+TEST_F(RigFileTest, StatesSigmasOfItsOwn) {
+  const StereoRig rig =
+      Read(SampleRigText() + "sigmas: {focal_pct: 0.1, rotation_deg: 0.02, board_px: 0.2}\n");
+  EXPECT_EQ(rig.stated_sigmas.focal_pct, 0.1);
+  EXPECT_EQ(rig.stated_sigmas.rotation_deg, 0.02);
+  EXPECT_EQ(rig.stated_sigmas.board_px, 0.2);
+  EXPECT_FALSE(rig.stated_sigmas.principal_point_px);
+  const StereoRig again = Read(WriteRigFile(rig));
+  EXPECT_EQ(again.stated_sigmas.focal_pct, 0.1);
+  EXPECT_EQ(again.stated_sigmas.board_px, 0.2);
+  EXPECT_FALSE(again.stated_sigmas.distortion_px);
+  EXPECT_THAT(ComplaintAbout("sigmas: {distortion_px: 0}"), HasSubstr("a sigma above 0, found 0"));
+  EXPECT_THAT(ComplaintAbout("sigmas: {covariance: [1], board_px: 1}"),
+              HasSubstr("board_px beside a covariance"));
+}
+
 TEST_F(RigFileTest, K3IsOfTheModelFullOpenCv) {
   const std::string full = Replaced(SampleRigText(), "model: OPENCV", "model: FULL_OPENCV");
   const StereoRig eight = Read(Replaced(full, "-0.002]", "-0.002, 0.03, 0, 0, 0]"));
