@@ -4,6 +4,7 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <cmath>
 #include <set>
 
 #include "adjustment/calibration_prior.h"
@@ -35,10 +36,17 @@ const StereoRig& StartOf(const PooledRig& given) {
 }
 
 // Rotations are written to rounding.
+constexpr double kRounding = 1e-9;
+
+// In what no correction changes.
+bool IsSameKind(const Camera& a, const Camera& b) {
+  return a.width == b.width && a.height == b.height && a.k3 == b.k3 &&
+         std::abs(a.fy / a.fx - b.fy / b.fx) < kRounding;
+}
+
 bool IsSameRig(const StereoRig& a, const StereoRig& b) {
-  constexpr double kRounding = 1e-9;
   const auto& known = a.calibration_covariance;
-  return a.left.camera.width == b.left.camera.width &&
+  return IsSameKind(a.left.camera, b.left.camera) && IsSameKind(a.right.camera, b.right.camera) &&
          CorrectionBetween(a, b).cwiseAbs().maxCoeff() < kRounding &&
          a.right_from_left.translation.isApprox(b.right_from_left.translation, kRounding) &&
          known.has_value() == b.calibration_covariance.has_value() &&
@@ -195,6 +203,18 @@ std::string Table(const Pool& pool, const PooledCalibration& calibration) {
          "leave unknown; the same rig has about 1\n";
 }
 
+// Parts that are not of one rig: it was knocked, warmed up or refocused, or one is of another.
+void WarnOfContradictions(const Pool& pool, const PooledCalibration& calibration) {
+  for (std::size_t i = 0; i < pool.parts.size(); ++i) {
+    const double square = calibration.parts[i].square_per_parameter;
+    if (pool.parts.size() == 1 || square <= kSameRigSquare) continue;
+    spdlog::warn(
+        "{} contradicts the others: it differs by {:.1f} squares per parameter (the same rig: at "
+        "most {}); look whether all parts are of one rig, and calibrate without it",
+        pool.parts[i].name, square, kSameRigSquare);
+  }
+}
+
 std::string CalibrateNow(const CalibrateRequest& request) {
   const Pool pool = ReadPool(request.outs);
   const AdjustmentOptions options;
@@ -208,6 +228,7 @@ std::string CalibrateNow(const CalibrateRequest& request) {
     stream << fmt::format("# A rig as {} parts tell it together.\n", pooled.pool->parts.size())
            << WritePooledRigFile(pooled);
   });
+  WarnOfContradictions(pool, *calibration);
   return Table(pool, *calibration);
 }
 

@@ -56,6 +56,23 @@ std::optional<Estimate> EstimateOf(const std::vector<CalibrationWitness>& parts,
   return estimate;
 }
 
+// What they say of the parameters of `compared`, and how sure it is of what others say.
+std::optional<Estimate> ComparedEstimate(RigRefinement compared,
+                                         const std::vector<CalibrationWitness>& parts,
+                                         const CalibrationWitness* left_out,
+                                         const CalibrationVector& about,
+                                         const CalibrationPrior& prior,
+                                         const AdjustmentOptions& counted) {
+  const auto probable =
+      MostProbable(compared, about, EquationsAt(about, parts, left_out), prior, counted);
+  if (!probable) return std::nullopt;
+  const CalibrationVector& found = probable->correction;
+  return Estimate{
+      compared,
+      {found, CalibrationErrorElsewhere(compared, found, EquationsAt(found, parts, left_out), prior,
+                                        counted)}};
+}
+
 // What the parts say is as sure as it is: their correlations have been counted.
 AdjustmentOptions Counted(const AdjustmentOptions& options) {
   AdjustmentOptions counted = options;
@@ -85,19 +102,14 @@ std::optional<PooledCalibration> PoolCalibrations(const std::vector<CalibrationW
   const RigRefinement compared =
       result.refined == RigRefinement::kNone ? RigRefinement::kAllButFocal : result.refined;
   for (const CalibrationWitness& part : parts) {
-    const auto alone =
-        MostProbable(compared, correction, EquationsAt(correction, {part}), prior, counted);
-    const auto others =
-        MostProbable(compared, correction, EquationsAt(correction, parts, &part), prior, counted);
+    const auto alone = ComparedEstimate(compared, {part}, nullptr, correction, prior, counted);
+    const auto others = ComparedEstimate(compared, parts, &part, correction, prior, counted);
     const auto without = EstimateOf(parts, &part, prior, counted);
     if (!alone || !others || !without) return std::nullopt;
-    WitnessComparison comparison{*alone, *others, 0.0, without->found};
-    CalibrationMatrix both = alone->covariance + others->covariance;
-    const auto freed = static_cast<double>((both.diagonal().array() > 0.0).count());
-    for (int i = 0; i < kCalibrationSize; ++i) {
-      if (!(both(i, i) > 0.0)) both(i, i) = prior.sigmas(i) * prior.sigmas(i);
-    }
-    const CalibrationVector difference = alone->correction - others->correction;
+    WitnessComparison comparison{alone->found, others->found, 0.0, without->found};
+    const CalibrationMatrix both = alone->found.covariance + others->found.covariance;
+    const CalibrationVector difference = alone->found.correction - others->found.correction;
+    const auto freed = static_cast<double>((difference.array() != 0.0).count());
     comparison.square_per_parameter =
         difference.dot(both.ldlt().solve(difference)) / std::max(1.0, freed);
     result.parts.push_back(comparison);

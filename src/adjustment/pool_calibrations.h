@@ -14,12 +14,17 @@ struct CalibrationWitness {
   CalibrationEquations equations;
 };
 
+// Three sigmas in every parameter. Chance alone would stay below 2.4 (99.9 % of chi square with
+// seventeen degrees of freedom), but a rig that is used gives a little: halves of one drive in a
+// sand yard differ by 2.6, those of a car's, whose eyes move against each other, by 18.
+inline constexpr double kSameRigSquare = 9.0;
+
 // How a part compares with the others.
 struct WitnessComparison {
   ProbableCorrection alone;   // what it says by itself, under the prior
   ProbableCorrection others;  // what all others say; the prior itself where there are none
   // Square of the difference in units of what both leave unknown, per free parameter: 1 is expected
-  // of the same rig, and little more than 1.6 (95 % of 17 parameters).
+  // of the same rig, and never more than kSameRigSquare.
   double square_per_parameter = 0.0;
   // The rig for this part: what PoolCalibrations finds without it. Of all parameters, as the pool's
   // own; the prior's where there are no others.
