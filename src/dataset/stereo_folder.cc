@@ -135,7 +135,8 @@ Dataset ReadStereoFolder(const fs::path& folder) {
   const auto right = ListImages(folder / "right");
   if (left.empty() || left.size() != right.size()) {
     throw DataError(
-        fmt::format("{}: expected as many images in left/ as in right/, at least one, "
+        fmt::format("{}: expected as many images in left/ as in right/, at least one (png, jpg, "
+                    "pgm, ppm, tif), "
                     "found {} and {}{}",
                     folder.string(), left.size(), right.size(), FirstAlone(left, right)));
   }

@@ -143,7 +143,7 @@ TEST(Camera, HasNothingBeyondAFoldOfK3) {
 }
 
 // Each polynomial of the growth against one that is looked at step by step from the axis.
-TEST(Camera, FoldIsTheFirstPlaceThatGrowsNoMore) {
+TEST(Camera, FoldIsWhereTheGrowthFirstEnds) {
   SeededRandom random;
   int folded = 0;
   for (int i = 0; i < 2000; ++i) {
