@@ -110,7 +110,7 @@ TEST_F(ContinuedPart, MovedWithItsDataIsDoneAlready) {
   EXPECT_THAT(DifferentFrom(before), IsEmpty());
   const json summary = Summary();
   EXPECT_EQ(summary["stages"].size(), 18U);
-  EXPECT_EQ(summary["gates"].size(), 19U);
+  EXPECT_EQ(summary["gates"].size(), 20U);
   // Links lead to where the images are now.
   for (const auto& link : fs::directory_iterator(out_ / "colmap" / "images" / "left")) {
     EXPECT_THAT(fs::read_symlink(link.path()).string(), StartsWith(data.string()));
@@ -306,7 +306,7 @@ TEST_F(ContinuedPart, MadeTwiceAtATimeInOneProcessIsTheSame) {
   for (const char* name : {"a", "b"}) {
     out_ = folder_.Path() / name;
     EXPECT_TRUE(Published() == expected) << name;
-    EXPECT_EQ(Summary()["gates"].size(), 19U);
+    EXPECT_EQ(Summary()["gates"].size(), 20U);
   }
 }
 
