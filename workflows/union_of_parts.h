@@ -7,6 +7,7 @@
 
 #include "scene/dataset.h"
 #include "workflows/output_folder.h"
+#include "workflows/part_folder.h"
 #include "workflows/stages/joined_parts.h"
 
 namespace rigmap {
@@ -19,16 +20,6 @@ struct UnionOfParts {
 
   FolderMark Mark() const;
 };
-
-// A part's folder and what it is called, fit for a file's name.
-struct PartFolder {
-  std::filesystem::path root;  // absolute
-  std::string name;
-};
-
-// By the last of their folders' names, or as many more of them as make all names different. Throws
-// UsageError where there is none or a folder is given twice.
-std::vector<PartFolder> NameParts(const std::vector<std::filesystem::path>& outs);
 
 // File names in it are relative to `out`. Its rig is that of the file that all were given, with the
 // file's pool, or else the one that they began with before any pool. Throws DataError where a

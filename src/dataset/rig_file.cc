@@ -1,6 +1,5 @@
 #include <fmt/format.h>
 
-#include <Eigen/Cholesky>
 #include <Eigen/SVD>
 #include <algorithm>
 #include <array>
@@ -190,12 +189,6 @@ Eigen::Vector3d ReadVector(const YamlNode& node) {
   return Eigen::Vector3d(node.AsDoubles(3).data());
 }
 
-double ReadSigma(const YamlNode& node) {
-  const double sigma = node.AsDouble();
-  if (!(sigma >= 0.0)) throw Complaint(node, fmt::format("expected a sigma, found {}", sigma));
-  return sigma;
-}
-
 Rigid3 ReadRigid(const YamlNode& node) {
   node.RequireKeys({"R", "t"});
   return {ReadRotation(node.At("R")), ReadVector(node.At("t"))};
@@ -239,48 +232,7 @@ void CheckRectified(const YamlNode& root, const Rigid3& right_from_left) {
   }
 }
 
-RigSigmas ReadRigSigmas(const YamlNode& node) {
-  RigSigmas stated;
-  for (const auto& [key, sigma] : {std::pair{"rotation_deg", &stated.rotation_deg},
-                                   {"focal_pct", &stated.focal_pct},
-                                   {"principal_point_px", &stated.principal_point_px},
-                                   {"distortion_px", &stated.distortion_px},
-                                   {"board_px", &stated.board_px}}) {
-    const YamlNode* found = node.Find(key);
-    if (!found) continue;
-    *sigma = found->AsDouble();
-    if (!(**sigma > 0.0)) {
-      throw Complaint(*found, fmt::format("expected a sigma above 0, found {}", found->scalar));
-    }
-    if (node.Find("covariance")) {
-      throw Complaint(*found, fmt::format("expected a covariance or single sigmas, found {} beside "
-                                          "a covariance",
-                                          key));
-    }
-  }
-  return stated;
-}
-
 }  // namespace
-
-CalibrationMatrix ReadCovariance(const YamlNode& node) {
-  constexpr int kNumbers = kCalibrationSize * (kCalibrationSize + 1) / 2;
-  const auto numbers = node.AsDoubles(kNumbers);
-  CalibrationMatrix covariance;
-  auto next = numbers.begin();
-  for (int row = 0; row < kCalibrationSize; ++row) {
-    for (int column = row; column < kCalibrationSize; ++column) {
-      covariance(row, column) = covariance(column, row) = *next++;
-    }
-  }
-  // Scaled, since its parameters are of very different size.
-  const CalibrationVector scale = covariance.diagonal().cwiseSqrt().cwiseInverse();
-  const CalibrationMatrix correlations = scale.asDiagonal() * covariance * scale.asDiagonal();
-  if (!correlations.allFinite() || correlations.llt().info() != Eigen::Success) {
-    throw Complaint(node, "expected a covariance, found a matrix that is not positive definite");
-  }
-  return covariance;
-}
 
 StereoRig ReadRigNode(const YamlNode& root, const std::filesystem::path& path) {
   root.RequireKeys({"left", "right", "right_from_left", "baseline_m", "rectified",
@@ -297,17 +249,7 @@ StereoRig ReadRigNode(const YamlNode& root, const std::filesystem::path& path) {
   }
   if (const YamlNode* imu = root.Find("imu_from_left")) rig.imu_from_left = ReadRigid(*imu);
   if (const YamlNode* wheels = root.Find("wheels")) rig.wheels = ReadWheelsNode(*wheels);
-  if (const YamlNode* sigmas = root.Find("sigmas")) {
-    sigmas->RequireKeys({"baseline_m", "covariance", "rotation_deg", "focal_pct",
-                         "principal_point_px", "distortion_px", "board_px"});
-    if (const YamlNode* baseline = sigmas->Find("baseline_m")) {
-      rig.baseline_sigma_m = ReadSigma(*baseline);
-    }
-    rig.stated_sigmas = ReadRigSigmas(*sigmas);
-    if (const YamlNode* covariance = sigmas->Find("covariance")) {
-      rig.calibration_covariance = ReadCovariance(*covariance);
-    }
-  }
+  if (const YamlNode* sigmas = root.Find("sigmas")) ReadSigmasNode(*sigmas, rig);
   return rig;
 }
 

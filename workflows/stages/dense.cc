@@ -25,7 +25,7 @@
 namespace rigmap {
 namespace {
 
-constexpr const char* kJoinable = "joining/depths.bin";
+constexpr const char* kJoinableDepths = "joining/depths.bin";
 
 // With fewer keyframes than this all frames are matched.
 constexpr std::ptrdiff_t kFewKeyframes = 3;
@@ -216,7 +216,7 @@ DepthIndex MakeFrameDepths(const StageContext& context, const Dataset& dataset,
 
 void PublishDepths(Publication& publication, const StageContext&, const DepthIndex& index,
                    const Dataset&, const DatasetContent&, const FeatureIndex&, const PosedPart&) {
-  PublishJoinable(publication, kJoinable, CodeHere(), index);
+  PublishJoinable(publication, kJoinableDepths, CodeHere(), index);
 }
 
 bool AreDepthsThere(const StageContext& context, const DepthIndex& index) {
@@ -260,14 +260,14 @@ DenseStage DenseMatching() {
               "with its sigma",
           .code = CodeHere(),
           .make = MakeDepths,
-          .publishes = {kJoinable},
+          .publishes = {kJoinableDepths},
           .publish = PublishDepths,
           .is_whole = AreDepthsThere};
 }
 
 std::optional<DepthIndex> ReadJoinableDepths(const std::filesystem::path& root) {
-  if (!std::filesystem::exists(root / kJoinable)) return std::nullopt;
-  return ReadJoinable<DepthIndex>(root, kJoinable, CodeHere());
+  if (!std::filesystem::exists(root / kJoinableDepths)) return std::nullopt;
+  return ReadJoinable<DepthIndex>(root, kJoinableDepths, CodeHere());
 }
 
 std::optional<FrameFile> KnownDepths::FileOf(int frame, const std::string& how) const {

@@ -12,7 +12,7 @@
 namespace rigmap {
 namespace {
 
-constexpr const char* kJoinable = "joining/frames.bin";
+constexpr const char* kJoinableFrames = "joining/frames.bin";
 constexpr const char* kJoinableRig = "joining/rig.bin";
 
 struct StoredRigFile {
@@ -99,7 +99,8 @@ Report ReportFeatures(const FeatureIndex& index, const Dataset&, const DatasetCo
 
 void PublishFeatures(Publication& publication, const StageContext&, const FeatureIndex& index,
                      const Dataset& dataset, const DatasetContent& content) {
-  PublishJoinable(publication, kJoinable, CodeHere(), JoinableFrames{dataset, content, index});
+  PublishJoinable(publication, kJoinableFrames, CodeHere(),
+                  JoinableFrames{dataset, content, index});
 }
 
 bool AreFeaturesThere(const StageContext& context, const FeatureIndex& index) {
@@ -115,14 +116,14 @@ FeaturesStage Features() {
               "sky and what belongs to the rover left out",
           .code = CodeHere(),
           .make = MakeFeatures,
-          .publishes = {kJoinable},
+          .publishes = {kJoinableFrames},
           .publish = PublishFeatures,
           .is_whole = AreFeaturesThere,
           .report = ReportFeatures};
 }
 
 JoinableFrames ReadJoinableFrames(const std::filesystem::path& root) {
-  return ReadJoinable<JoinableFrames>(root, kJoinable, CodeHere());
+  return ReadJoinable<JoinableFrames>(root, kJoinableFrames, CodeHere());
 }
 
 void WriteJoinableRig(const std::filesystem::path& root, const PooledRig& file) {

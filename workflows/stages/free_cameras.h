@@ -3,6 +3,7 @@
 #pragma once
 
 #include "colmap/installation.h"
+#include "dataset/dataset_content.h"
 #include "mapping/free_cameras.h"
 #include "pipeline/stage.h"
 #include "scale/scale_options.h"

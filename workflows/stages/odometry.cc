@@ -9,7 +9,7 @@
 namespace rigmap {
 namespace {
 
-constexpr const char* kJoinable = "joining/odometry.bin";
+constexpr const char* kJoinableOdometry = "joining/odometry.bin";
 
 Odometry MakeOdometry(const StageContext&, const Dataset& dataset, const FeatureStore& features,
                       const OdometryOptions& options) {
@@ -23,7 +23,7 @@ Report ReportOdometry(const Odometry& odometry, const Dataset&, const FeatureSto
 
 void PublishOdometry(Publication& publication, const StageContext&, const Odometry& odometry,
                      const Dataset&, const FeatureStore&) {
-  PublishJoinable(publication, kJoinable, CodeHere(), odometry);
+  PublishJoinable(publication, kJoinableOdometry, CodeHere(), odometry);
 }
 
 }  // namespace
@@ -46,13 +46,13 @@ OdometryStage VisualOdometry() {
           "metric motion with covariance from keyframe to frame; keyframes; a pose for every frame",
       .code = CodeHere(),
       .make = MakeOdometry,
-      .publishes = {kJoinable},
+      .publishes = {kJoinableOdometry},
       .publish = PublishOdometry,
       .report = ReportOdometry};
 }
 
 Odometry ReadJoinableOdometry(const std::filesystem::path& root) {
-  return ReadJoinable<Odometry>(root, kJoinable, CodeHere());
+  return ReadJoinable<Odometry>(root, kJoinableOdometry, CodeHere());
 }
 
 }  // namespace rigmap

@@ -16,6 +16,9 @@ StereoRig ReadRigNode(const YamlNode& root, const std::filesystem::path& path);
 RoverWheels ReadWheelsNode(const YamlNode& node);
 std::string FormatWheels(const RoverWheels& rover);
 
+// Of the key `sigmas`, into the rig.
+void ReadSigmasNode(const YamlNode& node, StereoRig& rig);
+
 // Of its upper triangle, row by row; must be positive definite.
 CalibrationMatrix ReadCovariance(const YamlNode& node);
 // "[...]" as ReadCovariance takes it.
