@@ -113,16 +113,17 @@ class Adjuster {
     // More is freed only once what is free has roughly settled: until then it may make up for the
     // rest.
     constexpr double kRoughlySettled = 0.5, kSettled = 0.1;  // what is left counts in the sigmas
-    if (MoveRig(kRoughlySettled, *solution)) return true;
-    refined_ = NextRefinement(refined_, correction_, solution->equations, prior_, options_);
-    return MoveRig(kSettled, *solution);
+    const CalibrationPrior prior = Widened(prior_, correction_, solution->equations, options_);
+    if (MoveRig(kRoughlySettled, *solution, prior)) return true;
+    refined_ = NextRefinement(refined_, correction_, solution->equations, prior, options_);
+    return MoveRig(kSettled, *solution, prior);
   }
 
   // To the most probable correction with the parameters of `refined_` free, the poses following;
   // false if no parameter is further from it than `settled` sigmas.
-  bool MoveRig(double settled, const CalibrationSolution& solution) {
+  bool MoveRig(double settled, const CalibrationSolution& solution, const CalibrationPrior& prior) {
     if (refined_ == RigRefinement::kNone) return false;
-    const auto better = MostProbable(refined_, correction_, solution.equations, prior_, options_);
+    const auto better = MostProbable(refined_, correction_, solution.equations, prior, options_);
     if (!better) return false;
     const CalibrationVector step = better->correction - correction_;
     const CalibrationVector sigmas = better->covariance.diagonal().cwiseSqrt();
@@ -194,9 +195,11 @@ class Adjuster {
 
   // Where the images are not asked, the prior counts.
   CalibrationMatrix ErrorOfCalibration(const CameraSystemResult& system) const {
-    return system.calibration
-               ? CalibrationError(refined_, correction_, *system.calibration, prior_, options_)
-               : prior_.information.inverse().eval();
+    if (!system.calibration) return prior_.information.inverse();
+    const CalibrationPrior prior = Widened(prior_, correction_, *system.calibration, options_);
+    spdlog::info("rig file taken to be {:.2f} times as far off as expected",
+                 prior.sigmas(kLogFocal) / prior_.sigmas(kLogFocal));
+    return CalibrationError(refined_, correction_, *system.calibration, prior, options_);
   }
 
   Adjustment Result(CameraSystemResult system) {

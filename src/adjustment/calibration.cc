@@ -109,6 +109,31 @@ double Inflation(const CalibrationEquations& equations, const AdjustmentOptions&
          options.shared_noise;
 }
 
+CalibrationPrior Widened(const CalibrationPrior& prior, const CalibrationVector& now,
+                         const CalibrationEquations& equations, const AdjustmentOptions& options) {
+  constexpr double kFreedom = 5.0;
+  constexpr int kIterations = 20;
+  const double inflation = Inflation(equations, options);
+  const CalibrationVector freed = FreedBy(RigRefinement::kAllButFocal);
+  // Of all but the focal length, whatever that may be.
+  const CalibrationVector with_focal = prior.information.col(kLogFocal);
+  const CalibrationMatrix marginal =
+      prior.information - with_focal * with_focal.transpose() / with_focal(kLogFocal);
+  double times = 1.0;
+  for (int i = 0; i < kIterations; ++i) {
+    const LinearSystem system = SystemOf(freed, now, equations.score, equations.information,
+                                         inflation, {prior.sigmas, marginal / times});
+    const CalibrationVector found = system.Solution();
+    const double told =
+        freed.sum() - (marginal / times * system.matrix.inverse()).trace();  // parameters
+    const double better =
+        (kFreedom + found.dot(marginal * found)) / (kFreedom + std::max(0.0, told));
+    if (!std::isfinite(better)) return prior;
+    times = std::max(1.0, better);
+  }
+  return {prior.sigmas * std::sqrt(times), prior.information / times};
+}
+
 std::optional<ProbableCorrection> MostProbable(RigRefinement refined, const CalibrationVector& now,
                                                const CalibrationEquations& equations,
                                                const CalibrationPrior& prior,

@@ -36,12 +36,14 @@ struct Estimate {
 
 std::optional<Estimate> EstimateOf(const std::vector<CalibrationWitness>& parts,
                                    const CalibrationWitness* left_out,
-                                   const CalibrationPrior& prior,
+                                   const CalibrationPrior& usual,
                                    const AdjustmentOptions& counted) {
   Estimate estimate;
   CalibrationVector correction = CalibrationVector::Zero();
+  CalibrationPrior prior;
   for (bool settled = false; !settled;) {
     const CalibrationEquations equations = EquationsAt(correction, parts, left_out);
+    prior = Widened(usual, correction, equations, counted);
     const RigRefinement next =
         NextRefinement(estimate.refined, correction, equations, prior, counted);
     settled = next == estimate.refined || counted.refine_rig != RigRefinement::kAuto;

@@ -312,6 +312,42 @@ TEST(MostProbable, FarOutThePriorHardlyPullsAtTheFocalLength) {
   EXPECT_LT(found(kRightP1), 4.0);
 }
 
+TEST(Widened, AFileOffByMoreThanExpectedIsTakenToBeOffSoInAll) {
+  const AdjustmentOptions options{.shared_noise = 1.0};
+  const CalibrationPrior prior = PriorOf(LocCamRig(), options);
+  const CalibrationMatrix root = prior.information.inverse().llt().matrixL();
+  // Images that tell the first `told` directions of the prior, each to be off by so many sigmas.
+  const auto times = [&](int told, double off_sigmas) {
+    CalibrationMatrix information = CalibrationMatrix::Zero();
+    CalibrationVector correction = CalibrationVector::Zero();
+    constexpr double kSure = 1e6;
+    for (int i = 0; i < told; ++i) {
+      const CalibrationVector direction = root.transpose().inverse().col(i);
+      information += kSure * direction * direction.transpose();
+      correction += off_sigmas * root.col(i);
+    }
+    CalibrationEquations equations{.score = information * correction, .information = information};
+    equations.score_covariance = information;
+    const CalibrationPrior wide = Widened(prior, CalibrationVector::Zero(), equations, options);
+    EXPECT_TRUE(wide.information.isApprox(prior.information *
+                                          std::pow(prior.sigmas(0) / wide.sigmas(0), 2.0)));
+    return std::pow(wide.sigmas(kLogFocal) / prior.sigmas(kLogFocal), 2.0);
+  };
+  EXPECT_EQ(times(3, 0.5), 1.0);
+  EXPECT_EQ(times(3, 1.0), 1.0);
+  EXPECT_NEAR(times(3, 2.0), (5.0 + 12.0) / (5.0 + 3.0), 0.01);
+  EXPECT_NEAR(times(3, 3.0), (5.0 + 27.0) / (5.0 + 3.0), 0.01);
+  EXPECT_EQ(times(0, 0.0), 1.0);
+}
+
+TEST(Widened, AFocalLengthAloneSaysNothingOfTheRest) {
+  const AdjustmentOptions options{.shared_noise = 1.0};
+  const CalibrationPrior prior = PriorOf(LocCamRig(), options);
+  const CalibrationEquations equations = Stretches(kLogFocal, 6.0, prior, {0.0});
+  const CalibrationPrior wide = Widened(prior, CalibrationVector::Zero(), equations, options);
+  EXPECT_EQ(wide.sigmas, prior.sigmas);
+}
+
 TEST(NextRefinement, NeedsStretchesToLeaveOut) {
   const AdjustmentOptions options;
   const CalibrationPrior prior = PriorOf(LocCamRig(), options);
