@@ -68,6 +68,10 @@ void AddOptions(CLI::App& app, Arguments& a) {
   app.add_flag("!--no-surface", r.true_surface,
                "Leave the true surface out, which takes longer than the images of a short drive; "
                "without it maps cannot be judged");
+  app.add_option("--surface-within", r.surface_reach_m,
+                 "Metres from the path within which the true surface is written")
+      ->check(CLI::Range(0.5, 7.0))
+      ->capture_default_str();
   app.add_option("--markers", r.markers, "Discs in the sand to check the cameras with")
       ->capture_default_str();
   app.add_option("--threads", a.threads, "Threads; default: one per core");

@@ -75,6 +75,15 @@ std::vector<double> DistancesWithin(const std::vector<Reading>& readings, double
   return distances;
 }
 
+// Whether the surface goes on as far as the band's edge: what a map shows beyond it is not wrong.
+bool IsFilled(const MapOverTruth& map, double band_m) {
+  constexpr double kGrain_m = 0.05;  // surface points stand a centimetre apart, the path's 5
+  const auto& points = map.truth().surface.x_in_truth;
+  return std::any_of(points.begin(), points.end(), [&](const Eigen::Vector3f& x) {
+    return !map.FromPath(x.cast<double>(), band_m - kGrain_m);
+  });
+}
+
 template <class Condition>
 double ShareOf(const std::vector<double>& values, const Condition& condition) {
   return static_cast<double>(std::count_if(values.begin(), values.end(), condition)) /
@@ -127,7 +136,10 @@ MapMetrics CompareMap(const MapOverTruth& map) {
   metrics.visible_points = static_cast<std::size_t>(
       std::count_if(surface.visible.begin(), surface.visible.end(), [](auto v) { return v != 0; }));
   const auto accuracy = ReadAccuracy(map), completeness = ReadCompleteness(map);
-  for (std::size_t b = 0; b < kMapBands_m.size(); ++b) {
+  while (metrics.filled < kMapBands_m.size() && IsFilled(map, kMapBands_m[metrics.filled])) {
+    ++metrics.filled;
+  }
+  for (std::size_t b = 0; b < metrics.filled; ++b) {
     metrics.bands[b] = JudgeBand(DistancesWithin(accuracy, kMapBands_m[b]),
                                  DistancesWithin(completeness, kMapBands_m[b]));
   }
@@ -139,7 +151,7 @@ nlohmann::ordered_json ToJson(const MapMetrics& metrics) {
   json["map_points"] = metrics.map_points;
   json["truth_points"] = metrics.truth_points;
   json["visible_points"] = metrics.visible_points;
-  for (std::size_t b = 0; b < kMapBands_m.size(); ++b) {
+  for (std::size_t b = 0; b < metrics.filled; ++b) {
     auto& band = json[fmt::format("within_{}m", kMapBands_m[b])];
     if (metrics.bands[b]) band = BandJson(*metrics.bands[b]);
   }

@@ -11,8 +11,8 @@
 namespace rigmap {
 
 // m, from the true path: the wheels' surroundings, what a metre-wide rover may pass, all that a low
-// stereo rig with a short baseline sees to a centimetre or two.
-inline constexpr std::array<double, 3> kMapBands_m{1.5, 2.5, 3.5};
+// stereo rig with a short baseline sees to a centimetre or two, and to five.
+inline constexpr std::array<double, 4> kMapBands_m{1.5, 2.5, 3.5, 6.0};
 // m; a grain of the map, two, and what a wheel does not mind.
 inline constexpr std::array<double, 3> kMapTolerances_m{0.01, 0.02, 0.05};
 
@@ -34,7 +34,8 @@ struct BandMetrics {
 
 struct MapMetrics {
   std::size_t map_points = 0, truth_points = 0, visible_points = 0;
-  // Nothing for a band without a map point or without a visible surface point.
+  std::size_t filled = 0;  // so many bands, from the first on, does the true surface fill
+  // Nothing for a band beyond these, without a map point or without a visible surface point.
   std::array<std::optional<BandMetrics>, kMapBands_m.size()> bands;
 };
 
@@ -44,8 +45,9 @@ struct MapMetrics {
 MapMetrics CompareMap(const MapOverTruth& map);
 
 // The keys of evaluation.json, rounded as printed: map_points, truth_points, visible_points and for
-// each band within_<metres>m: null or points, accuracy_median_mm, accuracy_p90_mm,
-// stray_over_20cm_pct and, for each tolerance, precision_<n>cm, completeness_<n>cm, f_<n>cm.
+// each band that the true surface fills within_<metres>m: null or points, accuracy_median_mm,
+// accuracy_p90_mm, stray_over_20cm_pct and, for each tolerance, precision_<n>cm,
+// completeness_<n>cm, f_<n>cm.
 nlohmann::ordered_json ToJson(const MapMetrics& metrics);
 
 }  // namespace rigmap

@@ -92,14 +92,15 @@ std::vector<Eigen::Vector2d> CameraPath(std::span<const DriveFrame> frames) {
   return positions;
 }
 
-void WriteTruthOfSurface(const World& world, const StereoRig& rig,
+void WriteTruthOfSurface(const World& world, const SimulationRequest& request,
                          std::span<const DriveFrame> frames, const fs::path& part) {
   std::vector<Rigid3> usable;
   for (const auto& frame : frames) {
     if (frame.IsUsable()) usable.push_back(frame.world_from_left);
   }
-  WriteTruthSurface(part / "surface.ply", SurfaceSampler(world, CameraPath(frames)),
-                    SurfaceVisibility(world, rig, usable));
+  WriteTruthSurface(part / "surface.ply",
+                    SurfaceSampler(world, CameraPath(frames), request.surface_reach_m),
+                    SurfaceVisibility(world, request.rig, usable));
 }
 
 void WriteTruthOfDepth(const World& world, const SimulationRequest& request,
@@ -170,7 +171,7 @@ void SimulatePart(const SimulationRequest& request, const fs::path& folder) {
                              .unusable_frames = UnusableFrames(frames),
                              .gps_clock_offset_s = request.clock_offset_s};
   WriteTruthFiles(truth / name, TruthFrames(frames, saturated), setting, local);
-  if (request.true_surface) WriteTruthOfSurface(world, request.rig, frames, truth / name);
+  if (request.true_surface) WriteTruthOfSurface(world, request, frames, truth / name);
   WriteTruthOfDepth(world, request, frames, truth / name / "depth");
   WriteTruthRocks(truth / "rocks.json", world.boulders(), CameraPath(frames), local);
   if (request.markers > 0) WriteMarkers(world, truth / "markers.json");

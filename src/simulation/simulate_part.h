@@ -26,6 +26,7 @@ struct SimulationRequest {
   int traverse = 3, part = 1;           // what the data set's folders are called
   int depth_every = 20;                 // frames from one true depth map to the next
   bool true_surface = true;             // truth/Part<P>/surface.ply, to judge maps by
+  double surface_reach_m = 3.6;         // of it, from the path
   int markers = 0;            // discs to check the cameras with, listed in truth/markers.json
   double sand_cell_m = 0.01;  // of the sand's mesh near the path
 

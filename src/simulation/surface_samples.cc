@@ -27,12 +27,12 @@ std::vector<Eigen::Vector2d> Densified(std::span<const Eigen::Vector2d> path) {
 // The whole multiples of a cell from which and up to which a row is near the path; merged, rising.
 using Columns = std::vector<std::pair<int, int>>;
 
-Columns ColumnsNear(std::span<const Eigen::Vector2d> path, double north_m, double cell_m) {
+Columns ColumnsNear(std::span<const Eigen::Vector2d> path, double reach_m, double north_m,
+                    double cell_m) {
   Columns reached;
   for (const Eigen::Vector2d& position : path) {
     const double north_off_m = north_m - position.y();
-    const double half2 =
-        SurfaceSampler::kReach_m * SurfaceSampler::kReach_m - north_off_m * north_off_m;
+    const double half2 = reach_m * reach_m - north_off_m * north_off_m;
     if (half2 < 0.0) continue;
     const double half_m = std::sqrt(half2);
     reached.emplace_back(static_cast<int>(std::ceil((position.x() - half_m) / cell_m)),
@@ -112,16 +112,17 @@ void ForCentroids(const std::array<Eigen::Vector3d, 3>& corner, double spacing_m
 
 }  // namespace
 
-SurfaceSampler::SurfaceSampler(const World& world, std::span<const Eigen::Vector2d> path)
-    : world_(world), path_(Densified(path)) {
+SurfaceSampler::SurfaceSampler(const World& world, std::span<const Eigen::Vector2d> path,
+                               double reach_m)
+    : world_(world), path_(Densified(path)), reach_m_(reach_m) {
   double south_m = std::numeric_limits<double>::max(), north_m = -south_m;
   for (const Eigen::Vector2d& position : path_) {
     south_m = std::min(south_m, position.y());
     north_m = std::max(north_m, position.y());
   }
   const double cell_m = world.options().sand_cell_m;
-  first_row_ = static_cast<int>(std::ceil((south_m - kReach_m) / cell_m));
-  row_count_ = static_cast<int>(std::floor((north_m + kReach_m) / cell_m)) - first_row_ + 1;
+  first_row_ = static_cast<int>(std::ceil((south_m - reach_m_) / cell_m));
+  row_count_ = static_cast<int>(std::floor((north_m + reach_m_) / cell_m)) - first_row_ + 1;
   for (const Boulder& boulder : world.boulders()) {
     boxes_of_boulders_.push_back(BoxOf(boulder.mesh));
   }
@@ -143,7 +144,7 @@ std::vector<SurfaceSample> SurfaceSampler::Batch(int batch) const {
 std::vector<SurfaceSample> SurfaceSampler::SandRow(int row) const {
   const double cell_m = world_.options().sand_cell_m;
   std::vector<SurfaceSample> samples;
-  for (const auto& [first, last] : ColumnsNear(path_, row * cell_m, cell_m)) {
+  for (const auto& [first, last] : ColumnsNear(path_, reach_m_, row * cell_m, cell_m)) {
     for (int column = first; column <= last; ++column) {
       const SurfaceSample sample = SandNode(column, row);
       if (!IsInBoulder(sample.position + kClearance_m * Eigen::Vector3d::UnitZ())) {
@@ -188,7 +189,7 @@ std::vector<SurfaceSample> SurfaceSampler::Facets(const Mesh& mesh, SurfaceKind 
 
 bool SurfaceSampler::IsNearPath(const Eigen::Vector2d& position) const {
   return std::any_of(path_.begin(), path_.end(), [&](const Eigen::Vector2d& near) {
-    return (near - position).squaredNorm() <= kReach_m * kReach_m;
+    return (near - position).squaredNorm() <= reach_m_ * reach_m_;
   });
 }
 

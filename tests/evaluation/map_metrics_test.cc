@@ -34,7 +34,9 @@ TEST(CompareMap, FindsNoErrorInTheTruth) {
   const MapMetrics metrics = CompareMap(AlreadyAligned(PerfectMap(truth), truth));
   EXPECT_EQ(metrics.map_points, truth.surface.size());
   EXPECT_EQ(metrics.visible_points, metrics.truth_points);
-  for (const auto& band : metrics.bands) {
+  EXPECT_EQ(metrics.filled, 3U);
+  for (std::size_t b = 0; b < metrics.filled; ++b) {
+    const auto& band = metrics.bands[b];
     ASSERT_TRUE(band);
     EXPECT_EQ(band->accuracy_p90_m, 0.0);
     EXPECT_EQ(band->stray_share, 0.0);
@@ -94,7 +96,8 @@ TEST(CompareMap, CountsWhatIsMissing) {
     if (x.y() > 0.0F) left.push_back(x);
   }
   const MapMetrics metrics = CompareMap(AlreadyAligned(left, truth));
-  for (const auto& band : metrics.bands) {
+  for (std::size_t b = 0; b < metrics.filled; ++b) {
+    const auto& band = metrics.bands[b];
     EXPECT_EQ(band->at_tolerance[0].precision, 1.0);
     EXPECT_NEAR(band->at_tolerance[0].completeness, 0.5, 0.01);
   }
@@ -110,6 +113,28 @@ TEST(CompareMap, AsksForWhatTheCamerasSawOnly) {
   const MapMetrics metrics = CompareMap(AlreadyAligned(left, truth));
   EXPECT_EQ(metrics.visible_points, left.size());
   EXPECT_EQ(metrics.bands[2]->at_tolerance[0].completeness, 1.0);
+}
+
+// The beach is 4 m wide to either side.
+TEST(CompareMap, JudgesNothingWhereTheTrueSurfaceEnds) {
+  MapTruth truth = MakeBeach({});
+  Points map = PerfectMap(truth);
+  map.push_back({1.0F, 5.0F, 0.0F});
+  const MapMetrics narrow = CompareMap(AlreadyAligned(map, truth));
+  EXPECT_FALSE(narrow.bands[3]);
+  EXPECT_FALSE(ToJson(narrow).contains("within_6m"));
+  EXPECT_EQ(narrow.bands[2]->stray_share, 0.0);
+  for (float y = 4.0F; y < 6.1F; y += 0.01F) {
+    truth.surface.x_in_truth.push_back({1.0F, y, 0.0F});
+    truth.surface.normal.push_back(Eigen::Vector3f::UnitZ());
+    truth.surface.visible.push_back(1);
+    truth.surface.kind.push_back(0);
+  }
+  const MapMetrics wide = CompareMap(AlreadyAligned(map, truth));
+  EXPECT_EQ(wide.filled, 4U);
+  EXPECT_EQ(wide.bands[3]->points, map.size());
+  EXPECT_LT(wide.bands[3]->at_tolerance[2].completeness, 1.0);
+  EXPECT_EQ(ToJson(wide)["within_6m"]["precision_5cm"], 1.0);
 }
 
 TEST(CompareMap, HasNothingToSayOfABandWithoutPoints) {
@@ -133,7 +158,7 @@ TEST(CompareMap, DoesNotDependOnTheWorldOfTheMap) {
   const Rigid3 motion = random.Motion(3.0);
   const auto here = CompareMap(AlreadyAligned(map, truth));
   const auto there = CompareMoved({1.0, motion.rotation, motion.translation}, map, truth);
-  for (std::size_t b = 0; b < kMapBands_m.size(); ++b) {
+  for (std::size_t b = 0; b < here.filled; ++b) {
     EXPECT_NEAR(there.bands[b]->points, here.bands[b]->points, 10);
     EXPECT_NEAR(there.bands[b]->accuracy_median_m, here.bands[b]->accuracy_median_m, 2e-6);
     EXPECT_NEAR(there.bands[b]->accuracy_p90_m, here.bands[b]->accuracy_p90_m, 2e-6);

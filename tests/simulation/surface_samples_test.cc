@@ -12,9 +12,11 @@
 namespace rigmap {
 namespace {
 
+constexpr double kReach_m = 3.6;
+
 std::vector<SurfaceSample> AllSamples() {
   const auto outline = SmallOutline();
-  const SurfaceSampler sampler(SmallWorld(), outline);
+  const SurfaceSampler sampler(SmallWorld(), outline, kReach_m);
   std::vector<SurfaceSample> all;
   for (int i = 0; i < sampler.batch_count(); ++i) {
     const auto batch = sampler.Batch(i);
@@ -60,7 +62,7 @@ TEST(SurfaceSamples, NormalsAreOfUnitLengthAndPointOutwards) {
     }
   }
   const auto outline = SmallOutline();
-  const SurfaceSampler sampler(SmallWorld(), outline);
+  const SurfaceSampler sampler(SmallWorld(), outline, kReach_m);
   const auto& boulders = SmallWorld().boulders();
   const int first =
       sampler.batch_count() - static_cast<int>(boulders.size() + SmallWorld().debris().size());
@@ -80,8 +82,8 @@ TEST(SurfaceSamples, ReachAsFarAsTheyShould) {
   for (const SurfaceSample& sample : AllSamples()) {
     farthest_m = std::max(farthest_m, DistanceFromOutline(sample.position));
   }
-  EXPECT_LE(farthest_m, SurfaceSampler::kReach_m + 1e-9);
-  EXPECT_GT(farthest_m, SurfaceSampler::kReach_m - kSmallCell_m);
+  EXPECT_LE(farthest_m, kReach_m + 1e-9);
+  EXPECT_GT(farthest_m, kReach_m - kSmallCell_m);
 }
 
 TEST(SurfaceSamples, SandIsEveryNodeThatNoBoulderCovers) {
@@ -96,7 +98,7 @@ TEST(SurfaceSamples, SandIsEveryNodeThatNoBoulderCovers) {
   for (int i = -80; i <= 120; ++i) {
     for (int j = -80; j <= 80; ++j) {
       const Eigen::Vector3d position(i * kSmallCell_m, j * kSmallCell_m, 3.0);
-      if (DistanceFromOutline(position) > SurfaceSampler::kReach_m - 1e-3) continue;
+      if (DistanceFromOutline(position) > kReach_m - 1e-3) continue;
       const auto from_above = SmallWorld().Cast(position, -Eigen::Vector3d::UnitZ());
       ASSERT_TRUE(from_above);
       const auto node = height_m.find({i, j});
@@ -124,7 +126,7 @@ TEST(SurfaceSamples, BouldersAreSampledDensely) {
           boulder.centre + Eigen::Vector3d(random.Uniform(-0.3, 0.3), random.Uniform(-0.3, 0.3), 3);
       const auto hit = SmallWorld().Cast(above, -Eigen::Vector3d::UnitZ());
       if (!hit || hit->kind != SurfaceKind::kRock) continue;
-      if (DistanceFromOutline(hit->position) > SurfaceSampler::kReach_m - 0.02) continue;
+      if (DistanceFromOutline(hit->position) > kReach_m - 0.02) continue;
       if (hit->position.z() < boulder.centre.z() + 0.05) continue;
       const auto nearest = std::min_element(samples.begin(), samples.end(),
                                             [&](const SurfaceSample& a, const SurfaceSample& b) {

@@ -62,7 +62,7 @@ class TruthSurface : public testing::Test {
  protected:
   TruthSurfaceSummary Write(std::span<const Rigid3> drive, const std::string& name) {
     const auto outline = SmallOutline();
-    const SurfaceSampler sampler(SmallWorld(), outline);
+    const SurfaceSampler sampler(SmallWorld(), outline, 3.6);
     return WriteTruthSurface(folder_.Path() / name, sampler,
                              SurfaceVisibility(SmallWorld(), rig_, drive));
   }

@@ -29,11 +29,10 @@ struct SurfaceSample {
 // What lies under the sand or in a boulder is left out.
 class SurfaceSampler {
  public:
-  static constexpr double kReach_m = 3.6;  // from the path, horizontally; < World::kFineSand_m
-
-  // `path`: places along the way, not empty, with straight lines between. `world` must outlive this
-  // and be built along the same way.
-  SurfaceSampler(const World& world, std::span<const Eigen::Vector2d> path);
+  // Of points within `reach_m` of the path, horizontally. `path`: places along the way, not empty,
+  // with straight lines between. `world` must outlive this and be built along the same way. Beyond
+  // World::kFineSand_m the sand is finer here than as rendered.
+  SurfaceSampler(const World& world, std::span<const Eigen::Vector2d> path, double reach_m);
 
   int batch_count() const;
   // Of the batch 0 <= batch < batch_count(), in a fixed order. Thread-safe.
@@ -50,6 +49,7 @@ class SurfaceSampler {
 
   const World& world_;
   std::vector<Eigen::Vector2d> path_;  // closely spaced
+  double reach_m_;
   std::vector<Eigen::AlignedBox3d> boxes_of_boulders_;
   int first_row_ = 0, row_count_ = 0;
 };
