@@ -12,6 +12,7 @@
 #include "workflows/run_in_folder.h"
 #include "workflows/stages/compare_result.h"
 #include "workflows/stages/dense.h"
+#include "workflows/stages/fusion.h"
 
 namespace rigmap {
 namespace {
@@ -27,12 +28,21 @@ Dataset OpenWithTruth(const PartRequest& request) {
   return dataset;
 }
 
-bool MatchesDensely(const PartRequest& request) {
-  const StageGraph recipe = MakeRecipe(request.technique, {}, {}, request.options);
+// What cannot fit is known before any work is done.
+void RequireMemory(const PartRequest& request, const Dataset& dataset) {
+  const PartOptions& options = request.options;
+  const StageGraph recipe = MakeRecipe(request.technique, {}, {}, options);
   const auto stages = recipe.StageNames();
-  if (!std::ranges::count(stages, "dense")) return false;
-  return !request.until ||
-         recipe.Ancestors(recipe.IndexOf(*request.until))[recipe.IndexOf("dense")];
+  const auto is_done = [&](const char* stage) {
+    if (!std::ranges::count(stages, stage)) return false;
+    return !request.until ||
+           recipe.Ancestors(recipe.IndexOf(*request.until))[recipe.IndexOf(stage)];
+  };
+  if (!is_done("dense")) return;
+  const double view_mb =
+      RequireMemoryForDepth(dataset.rig, options.dense, options.masks, request.memory_mb);
+  if (!is_done("fusion")) return;
+  RequireMemoryForFusion(dataset.frames.size(), view_mb, options.fusion, request.memory_mb);
 }
 
 }  // namespace
@@ -54,10 +64,7 @@ PartResult ReconstructPart(const PartRequest& request) {
   };
   return job.Run([&] {
     Dataset dataset = OpenWithTruth(request);
-    if (MatchesDensely(request)) {
-      const PartOptions& o = request.options;
-      RequireMemoryForDepth(dataset.rig, o.dense, o.masks, request.memory_mb);
-    }
+    RequireMemory(request, dataset);
     return RunInFolder({request, NameOf(request.technique), recipe}, std::move(dataset), job);
   });
 }

@@ -6,6 +6,7 @@
 #include "core/error.h"
 #include "tests/support/message_of.h"
 #include "tests/support/simulated_part.h"
+#include "workflows/stages/fusion.h"
 
 namespace rigmap {
 namespace {
@@ -46,6 +47,15 @@ TEST(RequireMemoryForDepthTest, KnowsBeforeAnyFrameIsReadWhatCannotFit) {
   }
   EXPECT_THAT(MessageOf<UsageError>([&] { RequireMemoryForDepth(rig, {}, {}, 512); }),
               HasSubstr("--memory: expected at least "));
+}
+
+TEST(RequireMemoryForFusionTest, KnowsBeforeAnyFrameIsReadWhatCannotFit) {
+  const FusionOptions options{.neighbours = 8, .ahead = 5};
+  EXPECT_NO_THROW(RequireMemoryForFusion(100, 10.0, options, 590));
+  EXPECT_THAT(MessageOf<UsageError>([&] { RequireMemoryForFusion(100, 10.0, options, 589); }),
+              HasSubstr("--memory: expected at least 590 MB, for 14 depth maps of 10 MB at once, "
+                        "found 589"));
+  EXPECT_NO_THROW(RequireMemoryForFusion(2, 10.0, options, 470));
 }
 
 }  // namespace

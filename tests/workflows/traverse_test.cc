@@ -160,6 +160,11 @@ TEST_F(TraverseTest, WhatIsAskedForAnewIsDoneAnewOnce) {
   EXPECT_THAT(fixes.LastErrorLine(), HasSubstr("--use-rtk: expected"));
   EXPECT_FALSE(fs::exists(out_));
 
+  const ProgramEnd no_rtk = RunRigmap({"join", one, "--out", out_, "--from", "rtk"});
+  EXPECT_EQ(no_rtk.exit_code, 2);
+  EXPECT_THAT(no_rtk.LastErrorLine(), HasSubstr("--from rtk: expected --use-rtk beside it"));
+  EXPECT_FALSE(fs::exists(out_));
+
   const auto join = [&](const std::vector<std::string>& more) {
     std::vector<std::string> arguments{"join", one, "--out", out_, "--quiet"};
     arguments.insert(arguments.end(), more.begin(), more.end());

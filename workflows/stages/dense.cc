@@ -62,8 +62,7 @@ std::vector<int> DenseFrames(const Trajectory& trajectory, const FeatureIndex& f
   return frames;
 }
 
-// Of the program, and of each pair of a part (docs/traverse.md).
-constexpr double kProgram_mb = 150.0, kPair_mb = 1.0;
+constexpr double kPair_mb = 1.0;  // of each pair of a part (docs/traverse.md)
 
 // What dense matching may take, megabytes: of what is free now an even share but, beside other
 // parts at work, no less than is left to a part that keeps to its share of the whole.
@@ -72,7 +71,7 @@ double RoomForDepth(std::size_t pairs, double allowed_mb) {
   const double free_mb = MemoryShare(allowed_mb);
   if (sharing == 1) return free_mb;
   return std::max(free_mb,
-                  allowed_mb / sharing - kProgram_mb - kPair_mb * static_cast<double>(pairs));
+                  allowed_mb / sharing - kProgramMegabytes - kPair_mb * static_cast<double>(pairs));
 }
 
 // Calls `match` for each of so many frames, as many at once as memory allows.
@@ -226,10 +225,10 @@ bool AreDepthsThere(const StageContext& context, const DepthIndex& index) {
 }  // namespace
 
 int FramesAtOnce(double frame_mb, double nearest_m, const DenseRoom& room) {
-  if (kProgram_mb + frame_mb > room.allowed_mb) {
+  if (kProgramMegabytes + frame_mb > room.allowed_mb) {
     throw UsageError(fmt::format(
         "--memory: expected at least {:.0f} MB, for images as large as these, found {}{}",
-        std::ceil(kProgram_mb + frame_mb), room.allowed_mb,
+        std::ceil(kProgramMegabytes + frame_mb), room.allowed_mb,
         std::isfinite(nearest_m)
             ? fmt::format("; dense.min_depth_m, if more than {:.2g} m, needs less", nearest_m)
             : ""));
@@ -244,13 +243,15 @@ int FramesAtOnce(double frame_mb, double nearest_m, const DenseRoom& room) {
   return 0;
 }
 
-void RequireMemoryForDepth(const StereoRig& rig, const DenseOptions& options,
-                           const MaskOptions& masks, int allowed_mb) {
+double RequireMemoryForDepth(const StereoRig& rig, const DenseOptions& options,
+                             const MaskOptions& masks, int allowed_mb) {
   // Without a search for what is near a frame needs least.
   const double nearest_m =
       options.min_depth_m > 0.0 ? options.min_depth_m : std::numeric_limits<double>::infinity();
-  const double frame_mb = DenseMatcher(rig, nearest_m, options, masks).MegabytesPerFrame();
-  FramesAtOnce(frame_mb, nearest_m, {static_cast<double>(allowed_mb), allowed_mb, 1});
+  const DenseMatcher matcher(rig, nearest_m, options, masks);
+  FramesAtOnce(matcher.MegabytesPerFrame(), nearest_m,
+               {static_cast<double>(allowed_mb), allowed_mb, 1});
+  return matcher.MegabytesPerView();
 }
 
 DenseStage DenseMatching() {

@@ -48,9 +48,12 @@ struct DenseRoom {
 };
 int FramesAtOnce(double frame_mb, double nearest_m, const DenseRoom& room);
 
-// Throws as FramesAtOnce, for images of this rig whatever they show.
-void RequireMemoryForDepth(const StereoRig& rig, const DenseOptions& options,
-                           const MaskOptions& masks, int allowed_mb);
+// Of the program itself, whatever it does (docs/traverse.md).
+inline constexpr double kProgramMegabytes = 150.0;
+
+// Throws as FramesAtOnce, for images of this rig whatever they show. What one depth map takes.
+double RequireMemoryForDepth(const StereoRig& rig, const DenseOptions& options,
+                             const MaskOptions& masks, int allowed_mb);
 
 // As the stage has left it in a part's folder; nothing where the part ended before it. Throws
 // DataError (joinable.h).

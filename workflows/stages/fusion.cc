@@ -1,6 +1,7 @@
 #include "workflows/stages/fusion.h"
 
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <cmath>
@@ -16,18 +17,21 @@
 namespace rigmap {
 namespace {
 
+// How many depth maps are compared at once.
+std::size_t ComparedViews(std::size_t frames, const FusionOptions& options) {
+  return std::min(frames, static_cast<std::size_t>(1 + options.neighbours + options.ahead));
+}
+
 // How many depth maps stay in memory within what --memory allows the whole process.
 std::size_t CachedViews(const DepthIndex& depths, const FusionOptions& options,
                         const StageContext& context) {
-  const double other_mb = ResidentMegabytes() + kFusionMegabytes;
-  const auto compared = std::min<std::size_t>(
-      depths.frames.size(), static_cast<std::size_t>(1 + options.neighbours + options.ahead));
-  const double least_mb = other_mb + static_cast<double>(compared) * depths.view_mb;
+  const std::size_t compared = ComparedViews(depths.frames.size(), options);
+  const double least_mb =
+      ResidentMegabytes() + kFusionMegabytes + static_cast<double>(compared) * depths.view_mb;
   if (least_mb > context.memory_mb) {
-    throw UsageError(fmt::format(
-        "--memory: expected at least {:.0f} MB, for {} depth maps of {:.0f} MB at once, found {}; "
-        "fewer fusion.ahead and fusion.neighbours need less",
-        std::ceil(least_mb), compared, depths.view_mb, context.memory_mb));
+    spdlog::warn(
+        "fusion takes {:.0f} MB, for {} depth maps of {:.0f} MB at once: more than --memory, {}",
+        least_mb, compared, depths.view_mb, context.memory_mb);
   }
   const double fitting = (MemoryShare(context.memory_mb) - kFusionMegabytes) / depths.view_mb;
   return static_cast<std::size_t>(
@@ -75,6 +79,18 @@ Report ReportMap(const FusedMap& fused, const Dataset& dataset, const PosedPart&
 }  // namespace
 
 FusedMap NoMap(const StageContext&, const PosedPart&) { return {}; }
+
+void RequireMemoryForFusion(std::size_t frames, double view_mb, const FusionOptions& options,
+                            int allowed_mb) {
+  const std::size_t compared = ComparedViews(frames, options);
+  const double least_mb =
+      kProgramMegabytes + kFusionMegabytes + static_cast<double>(compared) * view_mb;
+  if (least_mb <= allowed_mb) return;
+  throw UsageError(fmt::format(
+      "--memory: expected at least {:.0f} MB, for {} depth maps of {:.0f} MB at once, found {}; "
+      "fewer fusion.ahead and fusion.neighbours need less",
+      std::ceil(least_mb), compared, view_mb, allowed_mb));
+}
 
 FusionStage Fusion() {
   return {.name = "fusion",

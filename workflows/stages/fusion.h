@@ -26,6 +26,11 @@ struct FusedMap {
 using FusionStage = Stage<FusedMap, Takes<Dataset, PosedPart, DepthIndex>, Reads<FusionOptions>>;
 FusionStage Fusion();
 
+// Throws UsageError where depth maps of `view_mb` megabytes, of so many frames, cannot be fused
+// beside nothing but the program.
+void RequireMemoryForFusion(std::size_t frames, double view_mb, const FusionOptions& options,
+                            int allowed_mb);
+
 // A view, for techniques that make no map.
 FusedMap NoMap(const StageContext& context, const PosedPart& part);
 
