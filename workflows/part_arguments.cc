@@ -168,6 +168,7 @@ JoinRequest MakeJoinRequest(const JoinArguments& a, std::string command) {
   if (whole.config.empty() && fs::exists(options)) whole.config = options.string();
   request.whole = MakeRequestWithoutStages(whole, std::move(command));
   request.use_rtk = a.use_rtk;
+  request.missing = a.missing;
   const auto stages = JoinStageNames();
   RequireStages(whole, stages);
   return request;
@@ -179,6 +180,11 @@ CLI::App* AddJoin(CLI::App& app, JoinArguments& a) {
   join->add_option("outs", a.outs, "Folders that rigmap part has left")->required();
   AddHow(join, a.whole);
   AddUseRtk(join, a.use_rtk);
+  join->add_option(
+          "--missing", a.missing,
+          "A sentence on a part that could not be done; may be repeated. What is joined is "
+          "then not trusted as the whole")
+      ->allow_extra_args(false);
   AddWhere(join, a.whole);
   join->footer(PartOptionsHelp);
   return join;

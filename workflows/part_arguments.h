@@ -58,7 +58,7 @@ std::string PrintPlan(const RunArguments& arguments);
 
 struct JoinArguments {
   PartArguments whole;
-  std::vector<std::string> outs;
+  std::vector<std::string> outs, missing;
   bool use_rtk = false;
 };
 

@@ -135,6 +135,7 @@ class Snakefile(Jobs):
         self.assertTrue(evaluation.read_text().startswith('NOT TRUSTED: part 2 b failed: rigmap: broken'))
         joined, = self.calls('join')
         self.assertEqual(joined[1:3], [str(self.out / 'parts' / name) for name in ('1', '3')])
+        self.assertEqual(joined[3:5], ['--missing', 'part 2 b failed: rigmap: broken'])
         self.assertNotIn(str(self.out / 'parts/2 b'), self.calls('calibrate')[0])
         self.done()  # tries it again
         self.assertIn(str(self.out / 'parts/2 b'), self.calls('join')[-1])

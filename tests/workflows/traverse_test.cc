@@ -171,6 +171,10 @@ TEST_F(TraverseTest, WhatIsAskedForAnewIsDoneAnewOnce) {
     ASSERT_NE(RunRigmap(arguments).exit_code, 1);
   };
   join({"--until", "pose_graph"});
+  join({"--until", "pose_graph", "--missing", "part b failed: no images"});
+  const json known = ReadJson(out_ / "summary.json");
+  EXPECT_EQ(known["status"], "untrusted");
+  EXPECT_THAT(known["gates"].dump(), HasSubstr("part b failed: no images"));
   join({"--until", "pose_graph", "--from", "matching"});
   for (const json& stage : ReadJson(out_ / "summary.json")["stages"]) {
     // The second of its two runs, which goes on from the adjustment.
