@@ -6,7 +6,7 @@
 #include <set>
 
 #include "pipeline/code_identity.h"
-#include "workflows/stages/gates.h"
+#include "workflows/stages/gates_report.h"
 
 namespace rigmap {
 namespace {

@@ -52,13 +52,6 @@ RegistrationGatesCheck RegistrationGates();
 using DepthGatesCheck = Check<Takes<DepthIndex>, Reads<DepthGateOptions>>;
 DepthGatesCheck DepthGates();
 
-// What the checks of a part reported, `gates` and `verdict` of summary.json, read back.
-struct JudgedPart {
-  Gates gates;
-  PartFindings findings;
-};
-JudgedPart ReadJudged(const Report& merged);
-
 // What everything made of a part has to bear; empty where it is to be trusted.
 struct Warning {
   std::string text;
