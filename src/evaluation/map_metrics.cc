@@ -136,10 +136,8 @@ MapMetrics CompareMap(const MapOverTruth& map) {
   metrics.visible_points = static_cast<std::size_t>(
       std::count_if(surface.visible.begin(), surface.visible.end(), [](auto v) { return v != 0; }));
   const auto accuracy = ReadAccuracy(map), completeness = ReadCompleteness(map);
-  while (metrics.filled < kMapBands_m.size() && IsFilled(map, kMapBands_m[metrics.filled])) {
-    ++metrics.filled;
-  }
-  for (std::size_t b = 0; b < metrics.filled; ++b) {
+  metrics.judged = kMapBands_m.size() - (IsFilled(map, kWidestBand_m) ? 0 : 1);
+  for (std::size_t b = 0; b < metrics.judged; ++b) {
     metrics.bands[b] = JudgeBand(DistancesWithin(accuracy, kMapBands_m[b]),
                                  DistancesWithin(completeness, kMapBands_m[b]));
   }
@@ -151,7 +149,7 @@ nlohmann::ordered_json ToJson(const MapMetrics& metrics) {
   json["map_points"] = metrics.map_points;
   json["truth_points"] = metrics.truth_points;
   json["visible_points"] = metrics.visible_points;
-  for (std::size_t b = 0; b < metrics.filled; ++b) {
+  for (std::size_t b = 0; b < metrics.judged; ++b) {
     auto& band = json[fmt::format("within_{}m", kMapBands_m[b])];
     if (metrics.bands[b]) band = BandJson(*metrics.bands[b]);
   }

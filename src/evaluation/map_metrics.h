@@ -34,7 +34,8 @@ struct BandMetrics {
 
 struct MapMetrics {
   std::size_t map_points = 0, truth_points = 0, visible_points = 0;
-  std::size_t filled = 0;  // so many bands, from the first on, does the true surface fill
+  // So many bands, from the first on: all but the widest, and this where the true surface fills it.
+  std::size_t judged = 0;
   // Nothing for a band beyond these, without a map point or without a visible surface point.
   std::array<std::optional<BandMetrics>, kMapBands_m.size()> bands;
 };
@@ -45,7 +46,7 @@ struct MapMetrics {
 MapMetrics CompareMap(const MapOverTruth& map);
 
 // The keys of evaluation.json, rounded as printed: map_points, truth_points, visible_points and for
-// each band that the true surface fills within_<metres>m: null or points, accuracy_median_mm,
+// each band that is judged within_<metres>m: null or points, accuracy_median_mm,
 // accuracy_p90_mm, stray_over_20cm_pct and, for each tolerance, precision_<n>cm,
 // completeness_<n>cm, f_<n>cm.
 nlohmann::ordered_json ToJson(const MapMetrics& metrics);

@@ -34,8 +34,8 @@ TEST(CompareMap, FindsNoErrorInTheTruth) {
   const MapMetrics metrics = CompareMap(AlreadyAligned(PerfectMap(truth), truth));
   EXPECT_EQ(metrics.map_points, truth.surface.size());
   EXPECT_EQ(metrics.visible_points, metrics.truth_points);
-  EXPECT_EQ(metrics.filled, 3U);
-  for (std::size_t b = 0; b < metrics.filled; ++b) {
+  EXPECT_EQ(metrics.judged, 3U);
+  for (std::size_t b = 0; b < metrics.judged; ++b) {
     const auto& band = metrics.bands[b];
     ASSERT_TRUE(band);
     EXPECT_EQ(band->accuracy_p90_m, 0.0);
@@ -96,7 +96,7 @@ TEST(CompareMap, CountsWhatIsMissing) {
     if (x.y() > 0.0F) left.push_back(x);
   }
   const MapMetrics metrics = CompareMap(AlreadyAligned(left, truth));
-  for (std::size_t b = 0; b < metrics.filled; ++b) {
+  for (std::size_t b = 0; b < metrics.judged; ++b) {
     const auto& band = metrics.bands[b];
     EXPECT_EQ(band->at_tolerance[0].precision, 1.0);
     EXPECT_NEAR(band->at_tolerance[0].completeness, 0.5, 0.01);
@@ -131,7 +131,7 @@ TEST(CompareMap, JudgesNothingWhereTheTrueSurfaceEnds) {
     truth.surface.kind.push_back(0);
   }
   const MapMetrics wide = CompareMap(AlreadyAligned(map, truth));
-  EXPECT_EQ(wide.filled, 4U);
+  EXPECT_EQ(wide.judged, 4U);
   EXPECT_EQ(wide.bands[3]->points, map.size());
   EXPECT_LT(wide.bands[3]->at_tolerance[2].completeness, 1.0);
   EXPECT_EQ(ToJson(wide)["within_6m"]["precision_5cm"], 1.0);
@@ -158,7 +158,7 @@ TEST(CompareMap, DoesNotDependOnTheWorldOfTheMap) {
   const Rigid3 motion = random.Motion(3.0);
   const auto here = CompareMap(AlreadyAligned(map, truth));
   const auto there = CompareMoved({1.0, motion.rotation, motion.translation}, map, truth);
-  for (std::size_t b = 0; b < here.filled; ++b) {
+  for (std::size_t b = 0; b < here.judged; ++b) {
     EXPECT_NEAR(there.bands[b]->points, here.bands[b]->points, 10);
     EXPECT_NEAR(there.bands[b]->accuracy_median_m, here.bands[b]->accuracy_median_m, 2e-6);
     EXPECT_NEAR(there.bands[b]->accuracy_p90_m, here.bands[b]->accuracy_p90_m, 2e-6);
