@@ -70,9 +70,11 @@ StageGraph JoinRecipe(const Dataset& data, const DatasetContent& data_content,
   const InTurn starts{StartingFrom::kOdometry, StartingFrom::kOdometry};
   AdjustmentStage adjustment = RigAdjustment();
   if (tie_to) PublishCalibrationOnly(adjustment);
-  const auto adjusted = g.AddStage(
-      adjustment, Reading(starts, o.matching, o.adjustment, o.odometry, o.gates.adjustment),
-      dataset, content, features, odometry, matches, graph, aligned);
+  const auto adjusted =
+      g.AddStage(adjustment,
+                 Reading(starts, o.matching, o.adjustment, o.odometry, o.dead_reckoning, o.filter,
+                         o.gates.mapping, o.gates.adjustment),
+                 dataset, content, features, odometry, matches, graph, aligned);
   const auto gates =
       g.AddCheck(AdjustedGates(),
                  Reading(o.gates.mapping, o.gates.poses, o.gates.adjustment, o.gates.calibration),

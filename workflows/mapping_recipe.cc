@@ -1,18 +1,12 @@
 #include "workflows/mapping_recipe.h"
 
 #include "workflows/stages/matching.h"
-#include "workflows/stages/odometry.h"
 #include "workflows/stages/scale.h"
 
 namespace rigmap {
 
 MappedKeyframes AddMappedKeyframes(StageGraph& g, const PartOptions& o, const MappingInputs& in) {
-  const auto& [dataset, content, colmap] = in;
-  // images -> keypoints with stereo matches -> metric motion from frame to keyframe
-  const auto found = g.AddStage(Features(), Reading(o.features, o.masks), dataset, content);
-  const auto features = g.AddView(OpenFeatures, found);
-  const auto odometry = g.AddStage(VisualOdometry(), Reading(o.odometry), dataset, features);
-
+  const auto& [dataset, colmap, features, odometry] = in;
   // verified correspondences -> COLMAP's database -> poses in COLMAP's gauge -> metres
   const auto matches = g.AddStage(Matching(), Reading(o.matching), dataset, features, odometry);
   const auto graph =
@@ -23,7 +17,7 @@ MappedKeyframes AddMappedKeyframes(StageGraph& g, const PartOptions& o, const Ma
       Reading(mapping_ways, o.mapping, o.matching.verification, o.scale, o.gates.mapping), colmap,
       dataset, odometry, matches, graph);
   const auto aligned = g.AddStage(Scale(), Reading(), odometry, graph, models);
-  return {found, features, odometry, matches, graph, models, aligned};
+  return {matches, graph, models, aligned};
 }
 
 }  // namespace rigmap

@@ -1,7 +1,9 @@
 #include "workflows/mapping_recipe.h"
 #include "workflows/recipes.h"
 #include "workflows/stages/adjustment.h"
+#include "workflows/stages/features.h"
 #include "workflows/stages/gates.h"
+#include "workflows/stages/odometry.h"
 #include "workflows/stages/pose_graph.h"
 #include "workflows/surface_recipe.h"
 
@@ -13,17 +15,26 @@ StageGraph RigRecipe(const Dataset& data, const DatasetContent& data_content,
   const auto [dataset, content, truth, fixes, colmap] =
       AddPartInputs(g, data, data_content, o.colmap);
 
+  // images -> keypoints with stereo matches -> metric motion from frame to keyframe, that of the
+  // rover's sensors where images lose their way
+  const auto found = g.AddStage(Features(), Reading(o.features, o.masks), dataset, content);
+  const auto features = g.AddView(OpenFeatures, found);
+  const auto seen = g.AddStage(VisualOdometry(), Reading(o.odometry), dataset, features);
+  const auto odometry = g.AddStage(Bridging(), Reading(o.dead_reckoning, o.filter), dataset, seen);
+
   // verified correspondences -> COLMAP's database -> poses in COLMAP's gauge -> metres
-  const auto [found, features, odometry, matches, graph, models, aligned] =
-      AddMappedKeyframes(g, o, {dataset, content, colmap});
+  const auto [matches, graph, models, aligned] =
+      AddMappedKeyframes(g, o, {dataset, colmap, features, odometry});
 
   // one pose per frame, the rig held -> trajectory and sparse model
   const bool is_mapped = o.mapping.method != MappingMethod::kNone;
   const InTurn starts{is_mapped ? StartingFrom::kMapping : StartingFrom::kOdometry,
                       StartingFrom::kOdometry};
-  const auto adjusted = g.AddStage(
-      RigAdjustment(), Reading(starts, o.matching, o.adjustment, o.odometry, o.gates.adjustment),
-      dataset, content, features, odometry, matches, graph, aligned);
+  const auto adjusted =
+      g.AddStage(RigAdjustment(),
+                 Reading(starts, o.matching, o.adjustment, o.odometry, o.dead_reckoning, o.filter,
+                         o.gates.mapping, o.gates.adjustment),
+                 dataset, content, features, odometry, matches, graph, aligned);
   const auto gates =
       g.AddCheck(AdjustedGates(),
                  Reading(o.gates.mapping, o.gates.poses, o.gates.adjustment, o.gates.calibration),

@@ -13,6 +13,7 @@
 #include "adjustment/internal/adjusted_points.h"
 #include "adjustment/internal/bundle.h"
 #include "adjustment/internal/camera_system.h"
+#include "adjustment/internal/datum_frames.h"
 #include "core/statistics.h"
 #include "correspondence/tracks.h"
 
@@ -69,13 +70,13 @@ class Adjuster {
  private:
   void Round(double max_error_px, double function_tolerance) {
     bundle_.points = TriangulateWithin(max_error_px);
-    DropThinFrames();
+    KeepGroupsApart();
     if (bundle_.points.empty()) return;
     SolveBundle(options_.huber_sigmas * noise_px_, function_tolerance, bundle_);
     const auto errors = ErrorsPx(bundle_);
     noise_px_ = NoisePx(errors, Redundancy(), options_.min_noise_px);
     DropBeyond(options_.outlier_sigmas * noise_px_, errors, bundle_);
-    DropThinFrames();
+    KeepGroupsApart();
     spdlog::info("noise {:.3f} px, {} points, {} of {} observations dropped", noise_px_,
                  bundle_.points.size(), errors.size() - ObservationCount(bundle_.points),
                  errors.size());
@@ -168,10 +169,21 @@ class Adjuster {
         std::erase_if(point.observations,
                       [&](const auto& o) { return !bundle_.left_from_world[o.frame]; });
       }
-      std::erase_if(bundle_.points, [&](const AdjustedPoint& point) {
-        return !IsDetermined(point, bundle_.rig, bundle_.left_from_world);
-      });
+      DropUndetermined();
     }
+  }
+
+  void DropUndetermined() {
+    std::erase_if(bundle_.points, [&](const AdjustedPoint& point) {
+      return !IsDetermined(point, bundle_.rig, bundle_.left_from_world);
+    });
+  }
+
+  void KeepGroupsApart() {
+    DropThinFrames();
+    SplitBetweenGroups(bundle_.left_from_world.size(), bundle_.points);
+    DropUndetermined();
+    DropThinFrames();
   }
 
   // Sigmas grown along and about the left camera's axes, correlations kept.
@@ -214,6 +226,8 @@ class Adjuster {
                   static_cast<double>(std::max({all, errors.size(), std::size_t{1}}));
     const CalibrationMatrix of_calibration = ErrorOfCalibration(system);
     result.covariances = InflatedCovariances(system, of_calibration);
+    result.by_calibration = std::move(system.by_calibration);
+    result.calibration_covariance = of_calibration;
     if (system.scale) {
       const CalibrationVector& by_calibration = system.scale->by_calibration;
       const double of_noise =

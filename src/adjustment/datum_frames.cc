@@ -9,8 +9,10 @@
 namespace rigmap {
 namespace {
 
-// Fewer leave a motion of six degrees of freedom to chance.
-constexpr int kMinSharedPoints = 10;
+// Twice what a motion of six degrees of freedom takes. That two frames show the same ground was
+// proven before they were matched; fewer points, which may be what outliers have left, know too
+// little of the motion to hold a group by.
+constexpr int kMinSharedPoints = 6;
 
 // Points shared by every two groups.
 std::map<std::pair<int, int>, int> SharedPoints(const std::vector<AdjustedPoint>& points,
@@ -45,6 +47,25 @@ std::vector<int> DatumFrames(const std::vector<AdjustedPoint>& points, std::size
   for (std::size_t i = 0; i < frames; ++i)
     datum_frames[i] = groups_of_frames.Root(static_cast<int>(i));
   return datum_frames;
+}
+
+void SplitBetweenGroups(std::size_t frames, std::vector<AdjustedPoint>& points) {
+  const std::vector<int> datum_frames = DatumFrames(points, frames);
+  std::vector<AdjustedPoint> split;
+  for (AdjustedPoint& point : points) {
+    std::map<int, std::vector<PointObservation>> by_group;
+    for (const PointObservation& o : point.observations) {
+      by_group[datum_frames[static_cast<std::size_t>(o.frame)]].push_back(o);
+    }
+    if (by_group.size() == 1) {
+      split.push_back(std::move(point));
+      continue;
+    }
+    for (auto& [group, observations] : by_group) {
+      split.push_back({point.x, std::move(observations)});
+    }
+  }
+  points = std::move(split);
 }
 
 }  // namespace rigmap

@@ -2,6 +2,7 @@
 
 #include <spdlog/spdlog.h>
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
@@ -11,73 +12,134 @@
 namespace rigmap {
 namespace {
 
+// More, and it is the sensors that err: another radius of the wheels, other axes of the IMU.
+constexpr double kMostSlips = 0.5, kMostMisled = 0.2;  // of all steps
+
 bool IsPredicted(const OdometryFrame& frame) { return frame.source == PoseSource::kPredicted; }
 
-// Predicted frames that a later measured one hangs on, directly or by way of other predicted ones:
-// those that lie between two measured ones are held by both already.
+// Predicted frames but for runs that are held from both sides: whose end hangs on a frame before.
 std::vector<int> Lost(const Odometry& odometry) {
-  std::vector<char> carries(odometry.size(), 0);
-  for (int i = static_cast<int>(odometry.size()) - 1; i > 0; --i) {
-    const OdometryFrame& frame = odometry[i];
-    if (frame.reference >= i) continue;
-    if (!IsPredicted(frame) || carries[i]) carries[frame.reference] = 1;
-  }
   std::vector<int> lost;
-  for (int i = 1; i < static_cast<int>(odometry.size()); ++i) {
-    if (IsPredicted(odometry[i]) && carries[i] && odometry[i].reference == i - 1) lost.push_back(i);
+  const int count = static_cast<int>(odometry.size());
+  for (int first = 0, end = 0; first < count; first = std::max(end, first + 1)) {
+    for (end = first; end < count && IsPredicted(odometry[end]); ++end) {
+    }
+    if (end < count && odometry[end].reference < first) continue;
+    for (int i = first; i < end; ++i) {
+      if (odometry[i].reference < i) lost.push_back(i);
+    }
   }
   return lost;
 }
 
-// By how much the later pose is known less, the same in all directions: what is left of a
-// difference of covariances need not be one.
-Matrix6d Growth(const EstimatedPose& before, const EstimatedPose& after) {
+bool HasSensors(const Dataset& dataset) {
+  return dataset.rig.imu_from_left && !dataset.wheels.samples.empty() &&
+         !dataset.inertial.samples.empty();
+}
+
+// Frames that the sensors are to pose, where they can: lost ones, those whose visual motion nothing
+// else bears out, and those that were guessed between one of these and its reference.
+std::vector<bool> BySensors(const Odometry& odometry, const std::vector<int>& lost,
+                            const EstimatedMotion& motion) {
+  std::vector<bool> chosen(odometry.size(), false);
+  for (const int i : lost) chosen[i] = true;
+  for (const int i : motion.misled) {
+    if (odometry[i].reference >= i) continue;
+    chosen[i] = true;
+    for (int k = odometry[i].reference + 1; k < i; ++k) {
+      if (IsPredicted(odometry[k]) && odometry[k].reference < k) chosen[k] = true;
+    }
+  }
+  for (std::size_t i = 0; i < chosen.size(); ++i) {
+    if (!motion.poses[i].is_measured) chosen[i] = false;
+  }
+  return chosen;
+}
+
+// Nothing less than `least` in any direction: what is left of a difference of covariances may be
+// negative.
+Eigen::Matrix3d Floored(const Eigen::Matrix3d& covariance, double least) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(covariance);
+  const Eigen::Matrix3d& turn = axes.eigenvectors();
+  return turn * axes.eigenvalues().cwiseMax(least * least).asDiagonal() * turn.transpose();
+}
+
+// By how much the later pose is known less, in its own axes, as the images bear the sensors out.
+Matrix6d Growth(const EstimatedPose& before, const EstimatedPose& after,
+                const SensorAgreement& agreement) {
   constexpr double kLeast_m = 1e-3, kLeast_rad = 1e-4;
-  const auto grown = [&](int first, double least) {
-    const double more = (after.covariance - before.covariance).block<3, 3>(first, first).trace();
-    return std::max(least * least, more / 3.0);
+  const Eigen::Matrix3d turn = after.gauge_from_left.rotation.conjugate().toRotationMatrix();
+  const auto grown = [&](int first, const Eigen::Matrix3d& times, double least) -> Eigen::Matrix3d {
+    const Eigen::Matrix3d more =
+        turn * (after.covariance - before.covariance).block<3, 3>(first, first) * turn.transpose();
+    return Floored(times * more * times, least);
   };
-  Vector6d variances;
-  variances << Eigen::Vector3d::Constant(grown(0, kLeast_m)),
-      Eigen::Vector3d::Constant(grown(3, kLeast_rad));
-  return variances.asDiagonal();
+  const Eigen::Vector3d along =
+      (turn * (after.gauge_from_left.translation - before.gauge_from_left.translation))
+          .stableNormalized();
+  const double aside = std::sqrt(agreement.aside);
+  Matrix6d growth = Matrix6d::Zero();
+  growth.topLeftCorner<3, 3>() =
+      grown(0,
+            aside * Eigen::Matrix3d::Identity() +
+                (std::sqrt(agreement.along) - aside) * along * along.transpose(),
+            kLeast_m);
+  growth.bottomRightCorner<3, 3>() =
+      grown(3, std::sqrt(agreement.turn) * Eigen::Matrix3d::Identity(), kLeast_rad);
+  return growth;
 }
 
 }  // namespace
 
-BridgedOdometry BridgeGaps(const Dataset& dataset, Odometry odometry,
-                           const DeadReckoningOptions& options, const FilterOptions& filter) {
-  BridgedOdometry result{std::move(odometry), {}};
-  const std::vector<int> lost = Lost(result.odometry);
-  if (lost.empty()) return result;
-  const std::vector<VisualStep> visual = VisualSteps(result.odometry);
+Odometry BridgeGaps(const Dataset& dataset, Odometry odometry, const DeadReckoningOptions& options,
+                    const FilterOptions& filter) {
+  const std::vector<int> lost = Lost(odometry);
+  const std::vector<VisualStep> visual = VisualSteps(odometry);
+  if (visual.empty() || (lost.empty() && !HasSensors(dataset))) return odometry;
   EstimatedMotion motion;
   try {
     motion = EstimateMotion(dataset, visual, options, filter);
   } catch (const DataError& error) {
-    spdlog::info("nothing bridges the frames that the odometry lost: {}", error.what());
-    return result;
+    spdlog::info("wheels and gyro neither check nor bridge the odometry: {}", error.what());
+    return odometry;
   }
-  if (2 * motion.slips.size() > visual.size()) {
-    spdlog::warn("wheels and images contradict each other in {} of {} steps: wheels bridge nothing",
-                 motion.slips.size(), visual.size());
-    return result;
+  const double steps = static_cast<double>(visual.size());
+  const double slip_share = static_cast<double>(motion.slips.size()) / steps,
+               misled_share = static_cast<double>(motion.misled.size()) / steps;
+  if (slip_share > kMostSlips || misled_share > kMostMisled) {
+    spdlog::warn(
+        "wheels and gyro contradict the images in {} of {} steps: they neither check nor bridge "
+        "the "
+        "odometry",
+        motion.slips.size() + motion.misled.size(), visual.size());
+    return odometry;
   }
+  spdlog::info("sensors agree with images to {:.2f}, {:.2f}, {:.2f} of their variance",
+               motion.agreement.along, motion.agreement.aside, motion.agreement.turn);
   // In order, so that what hangs on a frame follows it.
-  const Odometry before = result.odometry;
+  const Odometry before = odometry;
+  const std::vector<bool> by_sensors = BySensors(before, lost, motion);
   for (int i = 1; i < static_cast<int>(before.size()); ++i) {
-    OdometryFrame& frame = result.odometry[i];
+    OdometryFrame& frame = odometry[i];
     if (frame.reference >= i) continue;
     Rigid3 step = OdometricStep(before, frame.reference, i);
-    if (std::ranges::binary_search(lost, i) && motion.poses[i].is_measured) {
-      step = motion.poses[i - 1].gauge_from_left.Inverse() * motion.poses[i].gauge_from_left;
-      frame.step_covariance = Growth(motion.poses[i - 1], motion.poses[i]);
+    if (by_sensors[i]) {
+      const EstimatedPose &from = motion.poses[frame.reference], &to = motion.poses[i];
+      step = from.gauge_from_left.Inverse() * to.gauge_from_left;
+      frame.step_covariance = Growth(from, to, motion.agreement);
+      const Eigen::Vector3d slipped = filter.burst_slip * step.Inverse().translation;
+      frame.step_covariance.topLeftCorner<3, 3>() += slip_share * slipped * slipped.transpose();
       frame.source = PoseSource::kOdometry;
-      result.bridged.push_back(i);
+      frame.stands_still = false;
+      frame.bridged = true;
     }
-    frame.world_from_left = result.odometry[frame.reference].world_from_left * step;
+    frame.world_from_left = odometry[frame.reference].world_from_left * step;
   }
-  return result;
+  const auto bridged = std::ranges::count(odometry, true, &OdometryFrame::bridged);
+  if (bridged > 0) {
+    spdlog::warn("{} frames are posed by wheels and gyro: the images lost their way", bridged);
+  }
+  return odometry;
 }
 
 }  // namespace rigmap

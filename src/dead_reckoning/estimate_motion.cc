@@ -37,6 +37,22 @@ void RequireNoGap(const Record& record, const char* file, const Dataset& dataset
       file, max_gap_s, gap->duration_s, SecondsFrom(begin_ns, gap->begin_ns)));
 }
 
+// A mean square of normalised innovations, drawn to what is expected.
+class MeanSquare {
+ public:
+  explicit MeanSquare(int coordinates) : squares_(kAsExpected * coordinates), count_(squares_) {}
+
+  void Add(double sigmas, int coordinates) {
+    squares_ += coordinates * sigmas * sigmas;
+    count_ += coordinates;
+  }
+  double Value() const { return squares_ / count_; }
+
+ private:
+  static constexpr double kAsExpected = 2.0;  // steps
+  double squares_, count_;
+};
+
 // Follows the frames of a part from the first to the last.
 class Follower {
  public:
@@ -71,6 +87,7 @@ class Follower {
     motion_.wheel_scale = std::exp(last.rover.values(kWheelScale));
     motion_.wheel_scale_sigma =
         motion_.wheel_scale * std::sqrt(last.covariance(kWheelScale, kWheelScale));
+    motion_.agreement = {along_.Value(), aside_.Value(), turn_.Value()};
     motion_.gyro_bias_radps = last.rover.values.segment<3>(kGyroBias);
     return std::move(motion_);
   }
@@ -144,6 +161,8 @@ class Follower {
         motion_.slips.push_back(frame);
         advance = std::move(slipping);
         belief = advance.predicted;
+      } else if (!is_seen) {
+        NoteAgreement(belief, prediction.way_in_gauge, step);
       }
       belief = Updated(belief, VisualMotionOf(belief, step, NoiseFactor(step)));
       is_seen = true;
@@ -198,16 +217,39 @@ class Follower {
     return InnovationSigmas(belief, VisualMotionOf(belief, step, NoiseFactor(step)));
   }
 
+  // Of some combinations of its coordinates, a row each.
+  double InnovationOf(const Belief& belief, const VisualStep& step,
+                      const Eigen::MatrixXd& combined) const {
+    const Measurement all = VisualMotionOf(belief, step, NoiseFactor(step));
+    return InnovationSigmas(belief, {combined * all.residual, combined * all.jacobian,
+                                     combined * all.noise * combined.transpose()});
+  }
+
   // Of the distance alone, in the direction in which the wheels drive: theirs to be wrong about.
   double InnovationAlong(const Belief& belief, const Eigen::Vector3d& way,
                          const VisualStep& step) const {
     if (!(way.norm() > 0.0)) return 0.0;
-    const Measurement all = VisualMotionOf(belief, step, NoiseFactor(step));
-    Eigen::MatrixXd along = Eigen::MatrixXd::Zero(1, 6);
-    along.leftCols<3>() =
-        (belief.rover.gauge_from_left.rotation.conjugate() * way.normalized()).transpose();
-    return InnovationSigmas(belief, {along * all.residual, along * all.jacobian,
-                                     along * all.noise * along.transpose()});
+    return InnovationOf(belief, step, AxesOf(belief, way).topRows<1>());
+  }
+
+  // Of the current camera's motion: along the way, two aside, the turns.
+  static Matrix6d AxesOf(const Belief& belief, const Eigen::Vector3d& way) {
+    const Eigen::Vector3d along =
+        belief.rover.gauge_from_left.rotation.conjugate() * way.normalized();
+    const Eigen::Vector3d aside = along.unitOrthogonal();
+    Matrix6d axes = Matrix6d::Zero();
+    axes.topLeftCorner<3, 3>() << along.transpose(), aside.transpose(),
+        along.cross(aside).transpose();
+    axes.bottomRightCorner<3, 3>().setIdentity();
+    return axes;
+  }
+
+  void NoteAgreement(const Belief& belief, const Eigen::Vector3d& way, const VisualStep& step) {
+    if (!(way.norm() > 0.0)) return;
+    const Matrix6d axes = AxesOf(belief, way);
+    along_.Add(InnovationOf(belief, step, axes.topRows<1>()), 1);
+    aside_.Add(InnovationOf(belief, step, axes.middleRows<2>(1)), 2);
+    turn_.Add(InnovationOf(belief, step, axes.bottomRows<3>()), 3);
   }
 
   // Frames that are posed against the same keyframe share the noise of what is seen of it. The one
@@ -242,6 +284,7 @@ class Follower {
   CarriedMotion carried_;
   std::vector<Belief> filtered_;
   std::vector<Advance> advances_;
+  MeanSquare along_{1}, aside_{2}, turn_{3};
   EstimatedMotion motion_;
 };
 

@@ -6,7 +6,7 @@ std::vector<VisualStep> VisualSteps(const Odometry& odometry) {
   std::vector<VisualStep> steps;
   for (int i = 0; i < static_cast<int>(odometry.size()); ++i) {
     const OdometryFrame& frame = odometry[i];
-    if (frame.source != PoseSource::kOdometry || frame.reference == i) continue;
+    if (frame.source != PoseSource::kOdometry || frame.bridged || frame.reference == i) continue;
     const Rigid3 frame_from_reference = OdometricStep(odometry, i, frame.reference);
     if (frame.reference < i) {
       steps.push_back({frame.reference, i, frame_from_reference, frame.step_covariance});

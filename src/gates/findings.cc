@@ -14,16 +14,19 @@ bool IsGuessed(const GateInputs& inputs, std::size_t frame) {
   return inputs.trajectory[frame].source == PoseSource::kPredicted;
 }
 
+bool InOneGroup(const Adjustment& adjustment, std::size_t a, std::size_t b) {
+  return adjustment.world_from_left[a] && adjustment.world_from_left[b] &&
+         !adjustment.datum_frames.empty() &&
+         adjustment.datum_frames[a] == adjustment.datum_frames[b];
+}
+
 // Whether anything measured joins two frames that follow each other but for guessed ones.
 bool IsJoined(const GateInputs& inputs, std::size_t before, std::size_t frame) {
   const OdometryFrame& step = inputs.odometry[frame];
   if (step.source == PoseSource::kOdometry && step.reference <= static_cast<int>(before)) {
     return true;
   }
-  const Adjustment& adjustment = inputs.adjustment;
-  return adjustment.world_from_left[before] && adjustment.world_from_left[frame] &&
-         !adjustment.datum_frames.empty() &&
-         adjustment.datum_frames[before] == adjustment.datum_frames[frame];
+  return InOneGroup(inputs.adjustment, before, frame);
 }
 
 void FindPieces(const GateInputs& inputs, const AdjustmentGateOptions& options,
@@ -96,6 +99,13 @@ PartFindings FindingsOf(const GateInputs& inputs, const GateOptions& options) {
     findings.guessed_95_m = std::max(findings.guessed_95_m, Radius95(covariance));
   }
   findings.breaks = BreaksIn(inputs);
+  for (std::size_t i = 1; i < inputs.odometry.size(); ++i) {
+    const OdometryFrame& frame = inputs.odometry[i];
+    const bool is_bridged =
+        frame.bridged &&
+        !InOneGroup(inputs.adjustment, static_cast<std::size_t>(frame.reference), i);
+    if (is_bridged) findings.bridged.push_back(static_cast<int>(i));
+  }
   FindPieces(inputs, options.adjustment, findings);
   return findings;
 }

@@ -27,6 +27,7 @@ struct PartFindings {
   std::vector<FrameRun> guessed;  // whose pose is a prediction, in order
   double guessed_95_m = 0.0;      // the worst of them: radius that holds the truth with 95 %
   std::vector<int> breaks;        // frames that nothing measured joins to those before
+  std::vector<int> bridged;       // frames that only the rover's sensors join to those before
   // Runs of three frames and more in which each is joined to those before by what was measured, and
   // map and odometry tell of the same step; the longest first.
   std::vector<FrameRun> pieces;

@@ -88,16 +88,6 @@ void JudgeMotion(const GateInputs& inputs, const AdjustmentGateOptions& options,
             gates);
 }
 
-std::optional<MappedShape> ShapeOf(const AlignedKeyframes* aligned) {
-  if (!aligned) return std::nullopt;
-  std::vector<BaselineScale> scales;
-  for (const AlignedModel& model : aligned->models) scales.push_back(model.scale);
-  const auto& poses = aligned->world_from_left;
-  const auto posed =
-      std::ranges::count_if(poses, [](const auto& pose) { return pose.has_value(); });
-  return ShapeOf(scales, static_cast<std::size_t>(posed), poses.size());
-}
-
 }  // namespace
 
 Gate AtMost(std::string name, std::optional<double> value, double limit, std::string why) {
@@ -123,6 +113,16 @@ MappedShape ShapeOf(std::span<const BaselineScale> scales, std::size_t posed,
       static_cast<double>(off) / std::max<double>(1.0, static_cast<double>(used + off));
   shape.registered = static_cast<double>(posed) / static_cast<double>(keyframes);
   return shape;
+}
+
+std::optional<MappedShape> ShapeOf(const AlignedKeyframes* aligned) {
+  if (!aligned) return std::nullopt;
+  std::vector<BaselineScale> scales;
+  for (const AlignedModel& model : aligned->models) scales.push_back(model.scale);
+  const auto& poses = aligned->world_from_left;
+  const auto posed =
+      std::ranges::count_if(poses, [](const auto& pose) { return pose.has_value(); });
+  return ShapeOf(scales, static_cast<std::size_t>(posed), poses.size());
 }
 
 Gates JudgeMapping(const std::optional<MappedShape>& shape, const MappingGateOptions& options) {
@@ -190,14 +190,10 @@ Gate JudgeDepthConsistency(const std::optional<DepthConsistency>& consistency,
 
 Gates JudgePart(const GateInputs& inputs, const GateOptions& options) {
   Gates gates = JudgeMapping(ShapeOf(inputs.aligned), options.mapping);
-  if (inputs.adjustment.IsRigCorrected()) {
-    // The adjustment has begun again from the odometry: the result does not rest on what was mapped
-    // with the wrong rig.
-    for (Gate& gate : gates) {
-      if (gate.passed) continue;
-      gate.passed = true;
-      gate.why += " (a diagnostic: the rig was corrected since)";
-    }
+  for (Gate& gate : gates) {
+    if (gate.passed || inputs.rests_on_mapping) continue;
+    gate.passed = true;
+    gate.why += " (a diagnostic: the adjustment began from the odometry)";
   }
   for (const Gates& more :
        {JudgePoses(inputs, options.poses), JudgeAdjustment(inputs, options.adjustment),

@@ -23,6 +23,7 @@ struct GateInputs {
   const Adjustment& adjustment;
   const Trajectory& trajectory;
   const AlignedKeyframes* aligned = nullptr;
+  bool rests_on_mapping = true;    // false: begun from the odometry, whatever was mapped
   std::vector<float> epipolar_px;  // median absolute error of each frame
   std::optional<DepthConsistency> depth_consistency;
   bool positions_known = true;  // whether the trajectory's covariances say anything
@@ -40,6 +41,7 @@ struct MappedShape {
 // Of models with these scales, which pose so many of all keyframes.
 MappedShape ShapeOf(std::span<const BaselineScale> scales, std::size_t posed,
                     std::size_t keyframes);
+std::optional<MappedShape> ShapeOf(const AlignedKeyframes* aligned);  // nothing where there is none
 Gates JudgeMapping(const std::optional<MappedShape>& shape, const MappingGateOptions& options);
 bool AllPassed(const Gates& gates);
 

@@ -43,6 +43,10 @@ struct Adjustment {
   // (m), then rotation (rad). Inflated for correlated residuals and for a corrected rig. Empty
   // where nothing is known of them, as for poses that only COLMAP has adjusted.
   std::vector<Matrix6d> covariances;
+  // What of these all frames share: by how much an error of the calibration moves the same poses,
+  // and that error's covariance. Empty where the images say nothing of the calibration.
+  std::vector<PoseCalibration> by_calibration;
+  CalibrationMatrix calibration_covariance = CalibrationMatrix::Zero();
   std::vector<AdjustedPoint> points;
   StereoRig rig;                                 // as calibrated, unless the part corrected it
   RigRefinement refined = RigRefinement::kNone;  // which of its parameters were free
@@ -73,10 +77,11 @@ struct Adjustment {
 
   template <class Archive>
   void serialize(Archive& archive) {
-    archive(world_from_left, datum_frames, covariances, points, rig, refined, rig_correction,
-            rig_correction_sigmas, correction_px, correction_prior_sigmas, infinity_offset_px,
-            infinity_offset_sigma_px, scale_sigma, scale_sigma_of_noise, noise_px, reprojection_px,
-            outlier_share, calibration, calibration_inflation);
+    archive(world_from_left, datum_frames, covariances, by_calibration, calibration_covariance,
+            points, rig, refined, rig_correction, rig_correction_sigmas, correction_px,
+            correction_prior_sigmas, infinity_offset_px, infinity_offset_sigma_px, scale_sigma,
+            scale_sigma_of_noise, noise_px, reprojection_px, outlier_share, calibration,
+            calibration_inflation);
   }
 };
 

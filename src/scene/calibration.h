@@ -36,6 +36,8 @@ enum CalibrationParameter {
 };
 using CalibrationVector = Eigen::Matrix<double, kCalibrationSize, 1>;
 using CalibrationMatrix = Eigen::Matrix<double, kCalibrationSize, kCalibrationSize>;
+// By how much each parameter moves a pose.
+using PoseCalibration = Eigen::Matrix<double, 6, kCalibrationSize>;
 
 // How far the calibration in a rig file may be off before any image of a part has been seen; no
 // correction is the most probable one.

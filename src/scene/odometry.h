@@ -20,12 +20,13 @@ struct OdometryFrame {
   PoseSource source = PoseSource::kPredicted;
   bool keyframe = false;
   bool stands_still = false;  // no motion against its reference
+  bool bridged = false;       // posed against it by the rover's sensors, not by images
   int inliers = 0;
 
   template <class Archive>
   void serialize(Archive& archive) {
     archive(stamp_ns, world_from_left, reference, step_covariance, source, keyframe, stands_still,
-            inliers);
+            bridged, inliers);
   }
 };
 

@@ -9,10 +9,12 @@
 namespace rigmap {
 namespace {
 
-// A pose with the covariance of its translation and rotation (world axes), relative to the first.
+// A pose with the covariance of its translation and rotation (world axes), relative to the first,
+// and what of its error comes of the calibration's.
 struct Uncertain {
   Rigid3 gauge_from_left;
   Matrix6d covariance = Matrix6d::Zero();
+  PoseCalibration by_calibration = PoseCalibration::Zero();
 };
 
 Matrix6d Unknown() { return Matrix6d::Constant(std::numeric_limits<double>::quiet_NaN()); }
@@ -45,6 +47,20 @@ Matrix6d Chain(const Uncertain& reference, const Rigid3& gauge_from_left,
   return Carry(reference, gauge_from_left) + Turned(step_covariance, gauge_from_left);
 }
 
+// A frame known relative to its datum frame, whose own uncertainty it shares. Both err as the same
+// calibration does.
+Uncertain BehindDatum(const Uncertain& datum, int i, const Adjustment& adjustment) {
+  const Rigid3& pose = *adjustment.world_from_left[i];
+  const Matrix6d carry = CarryMatrix(datum.gauge_from_left, pose);
+  Uncertain behind{pose, carry * datum.covariance * carry.transpose() + adjustment.covariances[i]};
+  if (adjustment.by_calibration.empty()) return behind;
+  const PoseCalibration carried = carry * datum.by_calibration, &own = adjustment.by_calibration[i];
+  const Matrix6d shared = carried * adjustment.calibration_covariance * own.transpose();
+  behind.covariance += shared + shared.transpose();
+  behind.by_calibration = carried + own;
+  return behind;
+}
+
 // Indices of all frames, each after its reference frame: from the first posed one to the last, then
 // from there back to the start.
 std::vector<int> FromFirstPosed(const Odometry& odometry) {
@@ -62,15 +78,14 @@ Uncertain PoseOf(int i, const Odometry& odometry, const Adjustment& adjustment,
   const auto& adjusted = adjustment.world_from_left[i];
   if (adjusted && adjustment.datum_frames[i] != i) {
     if (adjustment.covariances.empty()) return {*adjusted, Unknown()};
-    // Known relative to its datum frame, whose own uncertainty it shares.
-    return {*adjusted,
-            Carry(known[adjustment.datum_frames[i]], *adjusted) + adjustment.covariances[i]};
+    return BehindDatum(known[adjustment.datum_frames[i]], i, adjustment);
   }
   if (frame.reference == i) return {adjusted.value_or(frame.world_from_left)};
   const Uncertain& reference = known[frame.reference];
   const Rigid3 pose =
       adjusted.value_or(reference.gauge_from_left * OdometricStep(odometry, frame.reference, i));
-  return {pose, Chain(reference, pose, frame.step_covariance)};
+  return {pose, Chain(reference, pose, frame.step_covariance),
+          CarryMatrix(reference.gauge_from_left, pose) * reference.by_calibration};
 }
 
 double Seconds(StampNs from, StampNs to) { return 1e-9 * static_cast<double>(to - from); }

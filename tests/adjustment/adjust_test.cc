@@ -96,6 +96,25 @@ TEST_F(AdjustTest, TheFirstPosedFrameIsHeld) {
   EXPECT_GT(ErrorOf(adjusted.world_from_left[2].value(), *poses[2]).norm(), 1e-4);
 }
 
+TEST_F(AdjustTest, FewPointsDoNotPullAtAGroupThatIsHeld) {
+  Make({.frames = 8, .points_per_m2 = 8.0, .seed = 66});
+  // Frames from the fifth on start 3 mm aside, and share five tracks with those before.
+  std::vector<Rigid3> start = rover_.world_from_left;
+  for (std::size_t i = 4; i < 8; ++i) start[i].translation.x() += 0.003;
+  const Correspondences all = correspondences_;
+  CutBefore(4, correspondences_);
+  const Adjustment apart = Adjust(AllOf(start));
+  FramePair few = *std::ranges::find_if(
+      all.pairs, [](const FramePair& pair) { return pair.a == 3 && pair.b == 4; });
+  few.matches.resize(5);
+  correspondences_.pairs.push_back(few);
+  const Adjustment tied = Adjust(AllOf(start));
+  ASSERT_EQ(tied.datum_frames[5], 4);
+  for (const std::size_t i : {1, 2, 3, 5, 6, 7}) {
+    EXPECT_LT(ErrorOf(*tied.world_from_left[i], *apart.world_from_left[i]).norm(), 1e-6) << i;
+  }
+}
+
 TEST_F(AdjustTest, TheResultMovesWithTheGauge) {
   Make({.frames = 6, .points_per_m2 = 8.0, .seed = 65});
   auto poses = BadOdometry();

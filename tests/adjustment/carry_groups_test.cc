@@ -25,6 +25,8 @@ class CarryGroups : public testing::Test {
     adjusted_.datum_frames = {0, 0, 0, 3, 4, 4, 4};
     adjusted_.covariances.assign(7, Matrix6d::Zero());
     adjusted_.covariances[5](0, 0) = 1.0;
+    adjusted_.by_calibration.assign(7, PoseCalibration::Zero());
+    adjusted_.by_calibration[5](0, kLogFocal) = 1.0;
     adjusted_.points = {{{5.0, 2.0, 0.0}, {{1, 0, Eye::kLeft, {}}, {2, 0, Eye::kLeft, {}}}},
                         {{6.0, 2.0, 0.0}, {{5, 0, Eye::kLeft, {}}, {6, 0, Eye::kLeft, {}}}}};
   }
@@ -54,6 +56,7 @@ TEST_F(CarryGroups, LieToEachOtherAsTheyDid) {
             1e-12);
   // The group has turned by 0.2 about z, and its errors with it.
   EXPECT_NEAR(adjusted_.covariances[5](1, 1), std::pow(std::sin(0.2), 2), 1e-12);
+  EXPECT_NEAR(adjusted_.by_calibration[5](1, kLogFocal), std::sin(0.2), 1e-12);
 }
 
 TEST_F(CarryGroups, OneGroupStays) {

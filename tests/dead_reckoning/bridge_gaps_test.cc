@@ -38,6 +38,14 @@ Odometry LostOnTheWay(const DrivenRover& rover) {
   return odometry;
 }
 
+std::vector<int> Bridged(const Odometry& odometry) {
+  std::vector<int> bridged;
+  for (int i = 0; i < std::ssize(odometry); ++i) {
+    if (odometry[i].bridged) bridged.push_back(i);
+  }
+  return bridged;
+}
+
 double OffAtEnd(const Odometry& odometry, const DrivenRover& rover) {
   return (odometry.back().world_from_left.translation -
           rover.gauge_from_left[kFrames - 1].translation)
@@ -52,47 +60,113 @@ class BridgeGapsTest : public testing::Test {
 TEST_F(BridgeGapsTest, WheelsAndGyroTellTheWayThatNoImageShows) {
   const Odometry lost = LostOnTheWay(rover_);
   ASSERT_GT(OffAtEnd(lost, rover_), 0.3);
-  const BridgedOdometry bridged = BridgeGaps(rover_.dataset, lost, WithoutSlip(), {});
-  EXPECT_THAT(bridged.bridged, ElementsAre(12, 13, 14, 15));
+  const Odometry bridged = BridgeGaps(rover_.dataset, lost, WithoutSlip(), {});
+  EXPECT_THAT(Bridged(bridged), ElementsAre(12, 13, 14, 15));
   // 0.8 m without images.
-  EXPECT_LT(OffAtEnd(bridged.odometry, rover_), 0.04);
+  EXPECT_LT(OffAtEnd(bridged, rover_), 0.04);
   double variance = 0.0;
-  for (const int i : bridged.bridged) {
-    EXPECT_EQ(bridged.odometry[i].source, PoseSource::kOdometry);
-    variance += bridged.odometry[i].step_covariance.topLeftCorner<3, 3>().trace();
+  for (const int i : Bridged(bridged)) {
+    EXPECT_EQ(bridged[i].source, PoseSource::kOdometry);
+    variance += bridged[i].step_covariance.topLeftCorner<3, 3>().trace();
   }
-  EXPECT_LT(OffAtEnd(bridged.odometry, rover_), 4.0 * std::sqrt(variance) + 0.01);
+  EXPECT_LT(OffAtEnd(bridged, rover_), 4.0 * std::sqrt(variance) + 0.01);
   // What was measured is as it was.
-  const Rigid3 before = OdometricStep(lost, 20, 21),
-               after = OdometricStep(bridged.odometry, 20, 21);
+  const Rigid3 before = OdometricStep(lost, 20, 21), after = OdometricStep(bridged, 20, 21);
   EXPECT_LT((before.translation - after.translation).norm(), 1e-12);
 }
 
 TEST_F(BridgeGapsTest, WhatWasNotLostStays) {
   Odometry odometry = LostOnTheWay(rover_);
-  for (OdometryFrame& frame : odometry) frame.source = PoseSource::kOdometry;
-  EXPECT_THAT(BridgeGaps(rover_.dataset, odometry, WithoutSlip(), {}).bridged, IsEmpty());
+  for (int i = 0; i < kFrames; ++i) {
+    odometry[i].source = PoseSource::kOdometry;
+    odometry[i].world_from_left = rover_.gauge_from_left[i];
+  }
+  EXPECT_THAT(Bridged(BridgeGaps(rover_.dataset, odometry, WithoutSlip(), {})), IsEmpty());
 }
 
 TEST_F(BridgeGapsTest, FramesHeldFromBothSidesStay) {
   // The frame behind hangs on the one before the gap.
   Odometry odometry = LostOnTheWay(rover_);
+  for (int i = 16; i < kFrames; ++i) odometry[i].world_from_left = rover_.gauge_from_left[i];
   odometry[16].reference = 11;
-  EXPECT_THAT(BridgeGaps(rover_.dataset, odometry, WithoutSlip(), {}).bridged, IsEmpty());
+  EXPECT_THAT(Bridged(BridgeGaps(rover_.dataset, odometry, WithoutSlip(), {})), IsEmpty());
 }
 
 TEST_F(BridgeGapsTest, WheelsOfAnotherRoverBridgeNothing) {
   DeadReckoningOptions twice = WithoutSlip();
   twice.wheel_radius_m *= 2.0;
-  EXPECT_THAT(BridgeGaps(rover_.dataset, LostOnTheWay(rover_), twice, {}).bridged, IsEmpty());
+  EXPECT_THAT(Bridged(BridgeGaps(rover_.dataset, LostOnTheWay(rover_), twice, {})), IsEmpty());
 }
 
 TEST_F(BridgeGapsTest, WithoutSensorsItStaysLost) {
   rover_.dataset.wheels = {{}, "odometry.txt: not there"};
   const Odometry lost = LostOnTheWay(rover_);
-  const BridgedOdometry bridged = BridgeGaps(rover_.dataset, lost, WithoutSlip(), {});
-  EXPECT_THAT(bridged.bridged, IsEmpty());
-  EXPECT_EQ(OffAtEnd(bridged.odometry, rover_), OffAtEnd(lost, rover_));
+  const Odometry bridged = BridgeGaps(rover_.dataset, lost, WithoutSlip(), {});
+  EXPECT_THAT(Bridged(bridged), IsEmpty());
+  EXPECT_EQ(OffAtEnd(bridged, rover_), OffAtEnd(lost, rover_));
+}
+
+TEST_F(BridgeGapsTest, FramesAfterTheLastMeasuredOneAreDrivenTo) {
+  Odometry odometry = LostOnTheWay(rover_);
+  for (int i = 12; i < kFrames; ++i) odometry[i].source = PoseSource::kPredicted;
+  odometry.resize(16);
+  rover_.dataset.frames.resize(16);
+  const Odometry bridged = BridgeGaps(rover_.dataset, odometry, WithoutSlip(), {});
+  EXPECT_THAT(Bridged(bridged), ElementsAre(12, 13, 14, 15));
+  EXPECT_LT(
+      (bridged.back().world_from_left.translation - rover_.gauge_from_left[15].translation).norm(),
+      0.04);
+}
+
+// The images of frame 15 were taken for those of ground that looks the same.
+TEST_F(BridgeGapsTest, AMotionThatNothingBearsOutIsTheSensors) {
+  Odometry odometry = LostOnTheWay(rover_);
+  for (OdometryFrame& frame : odometry) frame.source = PoseSource::kOdometry;
+  for (const int i : {12, 13, 14}) odometry[i].source = PoseSource::kPredicted;
+  odometry[15].reference = 11;
+  const Odometry bridged = BridgeGaps(rover_.dataset, odometry, WithoutSlip(), {});
+  EXPECT_THAT(Bridged(bridged), ElementsAre(12, 13, 14, 15));
+  EXPECT_LT(OffAtEnd(bridged, rover_), 0.04);
+}
+
+TEST_F(BridgeGapsTest, WhatSensorsAgreeOnIsKnownBetter) {
+  // Images that scatter against the sensors by what these may err, and by none of it.
+  const auto bridged_variance = [&](double scatter_m) {
+    Odometry odometry = LostOnTheWay(rover_);
+    double sign = 1.0;
+    for (int i = 1; i < kFrames; ++i) {
+      if (odometry[i].source == PoseSource::kPredicted) continue;
+      odometry[i].world_from_left = odometry[i].world_from_left *
+                                    Rigid3{Eigen::Quaterniond::Identity(),
+                                           {sign * scatter_m, sign * scatter_m, sign * scatter_m}};
+      sign = -sign;
+    }
+    const Odometry bridged = BridgeGaps(rover_.dataset, odometry, WithoutSlip(), {});
+    EXPECT_THAT(Bridged(bridged), ElementsAre(12, 13, 14, 15));
+    return bridged[13].step_covariance.topLeftCorner<3, 3>().trace();
+  };
+  EXPECT_LT(bridged_variance(0.0), 0.3 * bridged_variance(0.005));
+}
+
+TEST_F(BridgeGapsTest, WheelsThatSlipMayAsWellWhereNoImageTells) {
+  const Odometry lost = LostOnTheWay(rover_);
+  Odometry slipping = lost;
+  // Two steps of which the wheels turned out half as far again.
+  for (const int at : {5, 20}) {
+    const Rigid3 step = OdometricStep(lost, at - 1, at);
+    const Rigid3 shorter{step.rotation, step.translation / 1.5};
+    const Rigid3 move = lost[at - 1].world_from_left * shorter * lost[at].world_from_left.Inverse();
+    for (int i = at; i < kFrames; ++i)
+      slipping[i].world_from_left = move * slipping[i].world_from_left;
+  }
+  const auto along = [&](const Odometry& odometry) {
+    const Odometry bridged = BridgeGaps(rover_.dataset, odometry, WithoutSlip(), {});
+    EXPECT_THAT(Bridged(bridged), ElementsAre(12, 13, 14, 15));
+    return std::sqrt(bridged[13].step_covariance.topLeftCorner<3, 3>().trace());
+  };
+  // Two of 25 steps: 0.28 of the 0.2 m.
+  EXPECT_GT(along(slipping), 0.05);
+  EXPECT_LT(along(lost), 0.02);
 }
 
 }  // namespace

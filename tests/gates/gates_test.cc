@@ -64,9 +64,10 @@ class GatesTest : public testing::Test {
   }
 
   Gate Judge(const std::string& name) const {
-    const Gates gates = JudgePart({rig_, odometry_, adjustment_, trajectory_,
-                                   mapped_ ? &aligned_ : nullptr, epipolar_px_, depth_consistency_},
-                                  options_);
+    const Gates gates =
+        JudgePart({rig_, odometry_, adjustment_, trajectory_, mapped_ ? &aligned_ : nullptr,
+                   rests_on_mapping_, epipolar_px_, depth_consistency_},
+                  options_);
     for (const Gate& gate : gates) {
       if (gate.name == name) return gate;
     }
@@ -74,9 +75,9 @@ class GatesTest : public testing::Test {
     return {};
   }
   Gates All() const {
-    return JudgePart(
-        {rig_, odometry_, adjustment_, trajectory_, &aligned_, epipolar_px_, depth_consistency_},
-        options_);
+    return JudgePart({rig_, odometry_, adjustment_, trajectory_, &aligned_, rests_on_mapping_,
+                      epipolar_px_, depth_consistency_},
+                     options_);
   }
   // Moves frame `first` by a motion in its own axes, and all behind with it: one step changes.
   void Shift(int first, const Rigid3& motion) {
@@ -93,6 +94,7 @@ class GatesTest : public testing::Test {
   Adjustment adjustment_;
   Trajectory trajectory_;
   AlignedKeyframes aligned_;
+  bool rests_on_mapping_ = true;
   bool mapped_ = true;
   std::vector<float> epipolar_px_{0.1F, 0.2F, 0.3F};
   std::optional<DepthConsistency> depth_consistency_ = DepthConsistency{};
@@ -329,10 +331,10 @@ TEST_F(GatesTest, ConsistencyOfARigThatWasAskedForWholeIsADiagnostic) {
   EXPECT_TRUE(Judge("intrinsics_consistency_pct").passed);
 }
 
-TEST_F(GatesTest, ShapeMappedWithAWrongRigIsADiagnostic) {
+TEST_F(GatesTest, ShapeOfAMapThatNothingRestsOnIsADiagnostic) {
   aligned_.models[0].scale.relative_spread = 2.0 * options_.mapping.baseline_spread;
   EXPECT_FALSE(Judge("baseline_spread").passed);
-  adjustment_.rig_correction_sigmas(1) = 1.0;
+  rests_on_mapping_ = false;
   EXPECT_TRUE(Judge("baseline_spread").passed);
   EXPECT_THAT(Judge("baseline_spread").why, HasSubstr("diagnostic"));
   aligned_.world_from_left.assign(aligned_.world_from_left.size(), std::nullopt);
@@ -424,10 +426,23 @@ TEST_F(GatesTest, DepthBiasIsJudgedBySize) {
   EXPECT_TRUE(JudgeDepthBias(std::nullopt, options_.dense).passed);
 }
 
+TEST_F(GatesTest, StepsThatOnlySensorsTellAreFoundAndJoin) {
+  const auto findings = [&] {
+    return FindingsOf({rig_, odometry_, adjustment_, trajectory_}, options_);
+  };
+  adjustment_.datum_frames.assign(12, 0);
+  odometry_[5].bridged = true;
+  EXPECT_THAT(findings().bridged, testing::IsEmpty()) << "tracks join them";
+  for (int i = 5; i < 12; ++i) adjustment_.datum_frames[i] = 5;
+  EXPECT_THAT(findings().bridged, testing::ElementsAre(5));
+  EXPECT_THAT(findings().breaks, testing::IsEmpty());
+}
+
 TEST_F(GatesTest, PiecesAreWhatMeasurementsJoin) {
   const auto findings = [&] {
-    return FindingsOf({rig_, odometry_, adjustment_, trajectory_, &aligned_, epipolar_px_},
-                      options_);
+    return FindingsOf(
+        {rig_, odometry_, adjustment_, trajectory_, &aligned_, rests_on_mapping_, epipolar_px_},
+        options_);
   };
   adjustment_.datum_frames.assign(12, 0);
   EXPECT_THAT(findings().pieces, testing::ElementsAre(FrameRun{0, 12}));

@@ -270,5 +270,31 @@ TEST(AssembledTrajectory, SigmasBehindADatumFrameTakeInThoseOfTheDatumFrame) {
   of_last.ExpectSigmas(trajectory[4].sigmas);
 }
 
+// A wrong focal length stretches both groups alike: their errors add up, not their squares.
+TEST(AssembledTrajectory, GroupsShareTheErrorOfTheCalibration) {
+  Part part(5);
+  const double sigma = 0.01;
+  part.adjustment.calibration_covariance(kLogFocal, kLogFocal) = sigma * sigma;
+  part.adjustment.by_calibration.assign(5, PoseCalibration::Zero());
+  const auto stretch = [&](int frame, int datum_frame) {
+    const Rigid3& pose = part.odometry[frame].world_from_left;
+    part.adjustment.by_calibration[frame].col(kLogFocal).head<3>() =
+        pose.translation - part.odometry[datum_frame].world_from_left.translation;
+    const PoseCalibration& by = part.adjustment.by_calibration[frame];
+    part.Adjust(frame, pose, by * part.adjustment.calibration_covariance * by.transpose(),
+                datum_frame);
+  };
+  for (OdometryFrame& frame : part.odometry) frame.step_covariance.setZero();
+  for (const int frame : {1, 2}) stretch(frame, 0);
+  part.Adjust(3, part.odometry[3].world_from_left, Matrix6d::Zero(), 3);
+  stretch(4, 3);
+  const Trajectory trajectory = part.Assemble();
+  // But for the step between the groups, of which the odometry knows no such error.
+  const Eigen::Vector3d stretched = part.odometry[2].world_from_left.translation +
+                                    part.odometry[4].world_from_left.translation -
+                                    part.odometry[3].world_from_left.translation;
+  EXPECT_LT((trajectory[4].sigmas.head<3>() - sigma * stretched.cwiseAbs()).norm(), 1e-9);
+}
+
 }  // namespace
 }  // namespace rigmap

@@ -109,7 +109,7 @@ TEST_F(ContinuedPart, MovedWithItsDataIsDoneAlready) {
   EXPECT_THAT(Made(), IsEmpty());
   EXPECT_THAT(DifferentFrom(before), IsEmpty());
   const json summary = Summary();
-  EXPECT_EQ(summary["stages"].size(), 18U);
+  EXPECT_EQ(summary["stages"].size(), 19U);
   EXPECT_EQ(summary["gates"].size(), 20U);
   // Links lead to where the images are now.
   for (const auto& link : fs::directory_iterator(out_ / "colmap" / "images" / "left")) {
@@ -203,7 +203,7 @@ TEST_F(ContinuedPart, AskedForLessKeepsWhatHoldsAndSaysSo) {
   const ProgramEnd end = Continue({"--set", "gates.epipolar_px=0.000001", "--until", "odometry"});
   EXPECT_EQ(end.exit_code, 3) << end.err;  // what lies there is untrusted still
   EXPECT_EQ(Summary()["status"], "untrusted");
-  EXPECT_EQ(Summary()["stages"].size(), 18U);
+  EXPECT_EQ(Summary()["stages"].size(), 19U);
   EXPECT_THAT(DifferentFrom(before), IsEmpty());
 }
 

@@ -28,8 +28,8 @@ const std::map<std::string, Names> kReaders{
     {"masks", {"features", "dense"}},
     {"features", {"features"}},
     {"odometry", {"odometry", "adjustment"}},
-    {"dead_reckoning", {}},
-    {"filter", {}},
+    {"dead_reckoning", {"bridging", "adjustment"}},
+    {"filter", {"bridging", "adjustment"}},
     {"matching", {"matching", "adjustment"}},
     {"matching.min_inliers", {"matching", "mapping", "adjustment"}},
     {"colmap", {}},
@@ -56,9 +56,9 @@ const std::map<std::string, Names> kReaders{
     {"rocks.min_top_m", {"georeference", "evaluation"}},
     {"rocks.min_width_m", {"georeference", "evaluation"}},
     {"gates", {"gates"}},
-    {"gates.baseline_spread", {"mapping", "gates"}},
-    {"gates.baseline_rejected", {"mapping", "gates"}},
-    {"gates.registered", {"mapping", "gates"}},
+    {"gates.baseline_spread", {"mapping", "adjustment", "gates"}},
+    {"gates.baseline_rejected", {"mapping", "adjustment", "gates"}},
+    {"gates.registered", {"mapping", "adjustment", "gates"}},
     {"gates.motion_agreement_sigmas", {"adjustment", "gates"}},
     {"gates.motion_agreement_pct", {"adjustment", "gates"}},
     {"gates.reprojection_px", {"adjustment", "gates"}},
@@ -141,10 +141,11 @@ std::vector<std::string> DescendantsOf(const StageGraph& graph, const std::strin
 
 TEST(RigRecipe, StagesDependOnWhatTheyTakeAndNoMore) {
   const StageGraph graph = GraphOf({});
-  EXPECT_THAT(StageNames(Technique::kRig),
-              ElementsAre("dataset", "features", "odometry", "matching", "database", "mapping",
-                          "scale", "adjustment", "pose_graph", "steps", "dense", "depth_maps",
-                          "fusion", "georeference", "raster", "las", "views", "evaluation"));
+  EXPECT_THAT(
+      StageNames(Technique::kRig),
+      ElementsAre("dataset", "features", "odometry", "bridging", "matching", "database", "mapping",
+                  "scale", "adjustment", "pose_graph", "steps", "dense", "depth_maps", "fusion",
+                  "georeference", "raster", "las", "views", "evaluation"));
   EXPECT_THAT(DescendantsOf(graph, "views"), ElementsAre("views"));
   EXPECT_THAT(DescendantsOf(graph, "raster"), ElementsAre("raster"));
   EXPECT_THAT(DescendantsOf(graph, "truth"), ElementsAre("truth", "evaluation"));
@@ -180,7 +181,7 @@ TEST(StageNamesTest, AreThoseOfTheDocument) {
 
 TEST(PrintStages, NamesASectionOnlyWhereAllOfItIsRead) {
   const std::string table = PrintStages(Technique::kRig);
-  EXPECT_THAT(table, HasSubstr("| `database` | `colmap`, `dataset`, `odometry`, `matching` | "
+  EXPECT_THAT(table, HasSubstr("| `database` | `colmap`, `dataset`, `bridging`, `matching` | "
                                "`mapping.tracks_per_keyframe` | "));
   EXPECT_THAT(table, HasSubstr("| `odometry` | `dataset`, `features` | `odometry` | "));
 }

@@ -117,7 +117,7 @@ class SimulatedPartTest : public testing::Test {
     EXPECT_EQ(summary["frames"]["posed"], 8);
     EXPECT_EQ(summary["frames"]["registered"], summary["frames"]["keyframes"]);
     EXPECT_GT(summary["scale"]["metres_per_model_unit"].get<double>(), 0.0);
-    EXPECT_EQ(summary["stages"].size(), 18U);
+    EXPECT_EQ(summary["stages"].size(), 19U);
     EXPECT_EQ(summary["gates"].size(), 20U);
     EXPECT_TRUE(summary["versions"]["colmap"].is_string());
     EXPECT_EQ(ReadTum(out_ / "trajectory.tum").size(), 8U);
@@ -161,7 +161,7 @@ TEST_F(SimulatedPartTest, IsReusedWholeAndWhatIsMissingIsMadeAgain) {
   RunPart(out_);
   const auto before = Bytes(out_);
   RunPart(out_);
-  EXPECT_EQ(Reused(out_).size(), 18U);
+  EXPECT_EQ(Reused(out_).size(), 19U);
   EXPECT_TRUE(Bytes(out_) == before);
   for (const char* name : {"trajectory.csv", "dense.ply", "evaluation.json"})
     fs::remove(out_ / name);
@@ -175,13 +175,14 @@ TEST_F(SimulatedPartTest, IsReusedWholeAndWhatIsMissingIsMadeAgain) {
 TEST_F(SimulatedPartTest, ChangedOptionRedoesItsStageAndThoseBehind) {
   RunPart(out_, {"--until", "scale"});
   RunPart(out_, {"--until", "scale", "--set", "matching.neighbours=3"});
-  EXPECT_THAT(Reused(out_), ElementsAre("dataset", "features", "odometry"));
+  EXPECT_THAT(Reused(out_), ElementsAre("dataset", "features", "odometry", "bridging"));
   RunPart(out_, {"--until", "scale", "--set", "matching.neighbours=3", "--from", "mapping"});
-  EXPECT_THAT(Reused(out_), ElementsAre("dataset", "features", "odometry", "matching", "database"));
+  EXPECT_THAT(Reused(out_),
+              ElementsAre("dataset", "features", "odometry", "bridging", "matching", "database"));
   // A limit that no stage chooses its way by is no reason to do anything anew.
   RunPart(out_,
           {"--until", "scale", "--set", "matching.neighbours=3", "--set", "gates.predicted=1"});
-  EXPECT_EQ(Reused(out_).size(), 7U);
+  EXPECT_EQ(Reused(out_).size(), 8U);
 }
 
 TEST_F(SimulatedPartTest, UntilLeavesWhatItsStagesPublish) {

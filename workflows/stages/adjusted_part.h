@@ -20,6 +20,7 @@ struct AdjustedPart {
   Adjustment adjustment;  // in its own gauge
   Odometry odometry;      // gives frames that are not adjusted their poses; by the corrected rig
   std::vector<LoopClosure> loop_closures;  // that it started from, likewise
+  bool rests_on_mapping = true;            // false: begun from the odometry, whatever was mapped
   Rigid3 world_from_gauge;
   WorldUp world_up = WorldUp::kCamera;
   Trajectory trajectory;             // every paired frame, in the world
@@ -30,7 +31,8 @@ struct AdjustedPart {
 
   template <class Archive>
   void serialize(Archive& archive) {
-    archive(adjustment, odometry, loop_closures, world_from_gauge, world_up, trajectory, remarks);
+    archive(adjustment, odometry, loop_closures, rests_on_mapping, world_from_gauge, world_up,
+            trajectory, remarks);
   }
 };
 

@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "adjustment/carry_groups.h"
+#include "dead_reckoning/bridge_gaps.h"
 #include "matching/loop_closures_by_rig.h"
 #include "odometry/track_frames.h"
 #include "pipeline/code_identity.h"
@@ -27,14 +28,23 @@ struct Adjuster {
   const Odometry& odometry;
   const Correspondences& matches;
   std::vector<std::optional<Rigid3>> mapped;  // world_from_left of the frames that COLMAP posed
+  Gates of_mapping;
   const MatchingOptions& matching;
   const AdjustmentOptions& options;
   const OdometryOptions& odometry_options;
+  const DeadReckoningOptions& rover;
+  const FilterOptions& filter;
   const AdjustmentGateOptions& gates;
 
   AdjustedPart From(StartingFrom from) const {
     return From(from == StartingFrom::kMapping ? mapped : std::vector<std::optional<Rigid3>>(),
                 {odometry, matches.loop_closures}, RigRefinement::kNone, CalibrationVector::Zero());
+  }
+
+  // What it is to start from: the other way than planned where that is no map to start from.
+  StartingFrom Start(const InTurn<StartingFrom>& ways) const {
+    const bool is_mapped = ways.planned == StartingFrom::kMapping;
+    return is_mapped && !AllPassed(of_mapping) ? ways.otherwise : ways.planned;
   }
 
   // With the rig that `part` has found to be the right one.
@@ -67,6 +77,7 @@ struct Adjuster {
     CarryGroupsAlong(starting, adjustment);
     AdjustedPart part = LayInWorld(dataset, motions.steps, std::move(adjustment));
     part.loop_closures = std::move(motions.loop_closures);
+    part.rests_on_mapping = !start.empty();
     return part;
   }
 
@@ -77,19 +88,28 @@ struct Adjuster {
       return std::optional(part.trajectory[to].world_from_left.Inverse() *
                            part.trajectory[from].world_from_left);
     };
-    Odometry steps = TrackFrames(features.frame_count(), features.AsSource(), part.adjustment.rig,
-                                 odometry_options, MatchBy::kDescriptors, expected);
+    Odometry steps =
+        BridgeGaps(dataset,
+                   TrackFrames(features.frame_count(), features.AsSource(), part.adjustment.rig,
+                               odometry_options, MatchBy::kDescriptors, expected),
+                   rover, filter);
     for (std::size_t i = 0; i < steps.size(); ++i) steps[i].keyframe = odometry[i].keyframe;
     return {std::move(steps), LoopClosuresByRig(matches, part.adjustment.rig, matching)};
   }
 };
 
 AdjustedPart AdjustInTurn(const Adjuster& adjuster, const InTurn<StartingFrom>& ways) {
-  AdjustedPart best = adjuster.From(ways.planned);
+  const StartingFrom start = adjuster.Start(ways);
+  AdjustedPart best = adjuster.From(start);
+  if (start != ways.planned) {
+    best.remarks.push_back(
+        FailureReason(adjuster.of_mapping) +
+        "; the adjustment started from the odometric poses instead of the mapped ones");
+  }
   if (best.adjustment.IsRigCorrected()) best = adjuster.WithItsRig(best);
   const Gates failed = adjuster.Judge(best);
   // With a corrected rig it has started from the odometry already.
-  if (AllPassed(failed) || best.adjustment.IsRigCorrected() || ways.otherwise == ways.planned) {
+  if (AllPassed(failed) || best.adjustment.IsRigCorrected() || ways.otherwise == start) {
     return best;
   }
   AdjustedPart other = adjuster.From(ways.otherwise);
@@ -109,10 +129,14 @@ AdjustedPart MakeAdjusted(const StageContext&, const Dataset& dataset, const Dat
                           const AlignedKeyframes& aligned, const InTurn<StartingFrom>& ways,
                           const MatchingOptions& matching, const AdjustmentOptions& options,
                           const OdometryOptions& odometry_options,
+                          const DeadReckoningOptions& rover, const FilterOptions& filter,
+                          const MappingGateOptions& mapping_gates,
                           const AdjustmentGateOptions& gates) {
+  const auto shape = ShapeOf(aligned.world_from_left.empty() ? nullptr : &aligned);
   return AdjustInTurn(
       {dataset, features, odometry, matches, PosesByFrame(aligned, graph, odometry.size()),
-       matching, options, odometry_options, gates},
+       JudgeMapping(shape, mapping_gates), matching, options, odometry_options, rover, filter,
+       gates},
       ways);
 }
 

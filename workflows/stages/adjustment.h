@@ -7,6 +7,7 @@
 
 #include "adjustment/adjust.h"
 #include "dataset/dataset_content.h"
+#include "dead_reckoning/dead_reckoning_options.h"
 #include "features/feature_store.h"
 #include "gates/gates.h"
 #include "matching/matching_options.h"
@@ -25,14 +26,16 @@ namespace rigmap {
 enum class StartingFrom { kMapping, kOdometry };
 constexpr auto NamesOf(StartingFrom) { return std::array{"mapping", "odometry"}; }
 
-using AdjustmentStage = Stage<AdjustedPart,
-                              Takes<Dataset, DatasetContent, FeatureStore, Odometry,
-                                    Correspondences, KeyframeGraph, AlignedKeyframes>,
-                              Reads<InTurn<StartingFrom>, MatchingOptions, AdjustmentOptions,
-                                    OdometryOptions, AdjustmentGateOptions>>;
-// Where the images correct the rig, the odometry is done anew and loop closures are measured anew
-// with the corrected rig, and the adjustment starts from that, since both erred as the wrong rig
-// did. Else, where a gate on the adjustment fails, it begins again from the other poses.
+using AdjustmentStage =
+    Stage<AdjustedPart,
+          Takes<Dataset, DatasetContent, FeatureStore, Odometry, Correspondences, KeyframeGraph,
+                AlignedKeyframes>,
+          Reads<InTurn<StartingFrom>, MatchingOptions, AdjustmentOptions, OdometryOptions,
+                DeadReckoningOptions, FilterOptions, MappingGateOptions, AdjustmentGateOptions>>;
+// Where what was mapped fails its gates the adjustment starts from the odometry. Where the images
+// correct the rig, the odometry is done anew and loop closures are measured anew with the corrected
+// rig, and the adjustment starts from that, since both erred as the wrong rig did. Else, where a
+// gate on the adjustment fails, it begins again from the other poses.
 AdjustmentStage RigAdjustment();
 // For a recipe in which a later stage publishes poses and points.
 void PublishCalibrationOnly(AdjustmentStage& stage);

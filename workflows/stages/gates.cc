@@ -49,6 +49,10 @@ Report ReportPart(const GateInputs& inputs, const GateOptions& options) {
       text += fmt::format("{} of {} poses are guessed, the worst to {}; ", findings.GuessedCount(),
                           findings.frames, LengthText(findings.guessed_95_m));
     }
+    if (!findings.bridged.empty()) {
+      text += fmt::format("{} of {} steps are by wheels and gyro, since no image shows them; ",
+                          findings.bridged.size(), findings.frames - 1);
+    }
   } else if (accuracy.position_95_m) {
     text = fmt::format(
         "the way is shorter than the baseline, so that no length is judged; positions good to {} "
@@ -67,6 +71,7 @@ GateInputs InputsOf(const Dataset& dataset, const FeatureIndex& features,
           part.adjustment,
           part.trajectory,
           aligned.world_from_left.empty() ? nullptr : &aligned,
+          part.rests_on_mapping,
           features.epipolar_px,
           DepthConsistencyOf(part.adjustment),
           part.KnowsPositions()};
@@ -124,7 +129,8 @@ Report JudgeOdometric(const Dataset& dataset, const FeatureIndex& features,
                       const CalibrationGateOptions& calibration) {
   Adjustment none;
   none.world_from_left.resize(odometry.size());
-  GateInputs inputs{dataset.rig, odometry, none, part.trajectory, nullptr, features.epipolar_px};
+  GateInputs inputs{dataset.rig, odometry, none, part.trajectory};
+  inputs.epipolar_px = features.epipolar_px;
   inputs.calibration_scale_sigma = part.calibration_scale_sigma;
   return ReportPart(inputs, {mapping, poses, adjustment, calibration, {}, {}});
 }
@@ -137,8 +143,8 @@ Report JudgeRegistered(const Dataset& dataset, const FeatureIndex& features,
                        const RegistrationGateOptions& of_registration) {
   const Adjustment registered = AsAdjustment(registration);
   const Odometry compared = WithNoiseOf(registration, odometry);
-  GateInputs inputs{dataset.rig,     compared, registered,
-                    part.trajectory, nullptr,  features.epipolar_px};
+  GateInputs inputs{dataset.rig, compared, registered, part.trajectory};
+  inputs.epipolar_px = features.epipolar_px;
   inputs.calibration_scale_sigma = part.calibration_scale_sigma;
   Report report = ReportPart(inputs, {mapping, poses, adjustment, calibration, {}, {}});
   const Report more = ReportGates(JudgeRegistration(registration, of_registration));

@@ -58,6 +58,7 @@ Report ReportFindings(const PartFindings& findings) {
         {"guessed_95_m",
          findings.guessed.empty() ? Report(nullptr) : ToJson(std::optional(findings.guessed_95_m))},
         {"breaks", findings.breaks},
+        {"bridged", findings.bridged},
         {"pieces", ToJson(findings.pieces)}}}};
 }
 
@@ -90,6 +91,7 @@ JudgedPart ReadJudged(const Report& merged) {
   findings.frames = known.at("frames");
   findings.guessed = RangesIn(known.at("guessed"));
   findings.breaks = known.at("breaks").get<std::vector<int>>();
+  findings.bridged = known.at("bridged").get<std::vector<int>>();
   findings.pieces = RangesIn(known.at("pieces"));
   return judged;
 }

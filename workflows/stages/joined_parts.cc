@@ -51,13 +51,9 @@ ExpectedMotion MotionInParts(const JoinedParts& parts) {
 Odometry MakeOdometry(const StageContext&, const Dataset& dataset, const FeatureStore& features,
                       const JoinedParts& parts, const OdometryOptions& options,
                       const DeadReckoningOptions& rover, const FilterOptions& filter) {
-  auto [odometry, bridged] = BridgeGaps(
+  Odometry odometry = BridgeGaps(
       dataset, TrackAll(dataset, features, options, MatchBy::kDescriptors, MotionInParts(parts)),
       rover, filter);
-  if (!bridged.empty()) {
-    spdlog::warn("{} frames are posed by wheels and gyro: the images lost their way",
-                 bridged.size());
-  }
   for (std::size_t i = 0; i < odometry.size(); ++i) {
     odometry[i].keyframe = parts.keyframes[i] != 0;
   }

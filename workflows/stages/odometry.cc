@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "core/progress.h"
+#include "dead_reckoning/bridge_gaps.h"
 #include "pipeline/code_identity.h"
 #include "workflows/stages/joinable.h"
 
@@ -14,6 +15,11 @@ constexpr const char* kJoinableOdometry = "joining/odometry.bin";
 Odometry MakeOdometry(const StageContext&, const Dataset& dataset, const FeatureStore& features,
                       const OdometryOptions& options) {
   return TrackAll(dataset, features, options, MatchBy::kDescriptors);
+}
+
+Odometry MakeBridged(const StageContext&, const Dataset& dataset, const Odometry& odometry,
+                     const DeadReckoningOptions& rover, const FilterOptions& filter) {
+  return BridgeGaps(dataset, odometry, rover, filter);
 }
 
 Report ReportOdometry(const Odometry& odometry, const Dataset&, const FeatureStore&) {
@@ -49,6 +55,13 @@ OdometryStage VisualOdometry() {
       .publishes = {kJoinableOdometry},
       .publish = PublishOdometry,
       .report = ReportOdometry};
+}
+
+BridgingStage Bridging() {
+  return {.name = "bridging",
+          .about = "the motion by wheels and gyro where images lose their way or mislead",
+          .code = CodeHere(),
+          .make = MakeBridged};
 }
 
 Odometry ReadJoinableOdometry(const std::filesystem::path& root) {

@@ -11,8 +11,6 @@
 
 namespace rigmap {
 
-using PoseCalibration = Eigen::Matrix<double, 6, kCalibrationSize>;
-
 // What is linearised, and how observations are weighted: as Huber's loss at `huber_px` does, the
 // noise being `noise_px`.
 struct Linearisation {
