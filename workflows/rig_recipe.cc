@@ -15,12 +15,14 @@ StageGraph RigRecipe(const Dataset& data, const DatasetContent& data_content,
   const auto [dataset, content, truth, fixes, colmap] =
       AddPartInputs(g, data, data_content, o.colmap);
 
-  // images -> keypoints with stereo matches -> metric motion from frame to keyframe, that of the
-  // rover's sensors where images lose their way
+  // images -> keypoints with stereo matches -> metric motion from frame to keyframe, that of
+  // lone images and the rover's sensors where these lose their way
   const auto found = g.AddStage(Features(), Reading(o.features, o.masks), dataset, content);
   const auto features = g.AddView(OpenFeatures, found);
   const auto seen = g.AddStage(VisualOdometry(), Reading(o.odometry), dataset, features);
-  const auto odometry = g.AddStage(Bridging(), Reading(o.dead_reckoning, o.filter), dataset, seen);
+  const auto odometry =
+      g.AddStage(Bridging(), Reading(o.features, o.masks, o.odometry, o.dead_reckoning, o.filter),
+                 dataset, features, seen);
 
   // verified correspondences -> COLMAP's database -> poses in COLMAP's gauge -> metres
   const auto [matches, graph, models, aligned] =
@@ -32,8 +34,8 @@ StageGraph RigRecipe(const Dataset& data, const DatasetContent& data_content,
                       StartingFrom::kOdometry};
   const auto adjusted =
       g.AddStage(RigAdjustment(),
-                 Reading(starts, o.matching, o.adjustment, o.odometry, o.dead_reckoning, o.filter,
-                         o.gates.mapping, o.gates.adjustment),
+                 Reading(starts, o.features, o.masks, o.matching, o.adjustment, o.odometry,
+                         o.dead_reckoning, o.filter, o.gates.mapping, o.gates.adjustment),
                  dataset, content, features, odometry, matches, graph, aligned);
   const auto gates =
       g.AddCheck(AdjustedGates(),

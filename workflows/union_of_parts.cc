@@ -207,6 +207,7 @@ class Uniter {
     Dataset& d = result_.dataset;
     for (const OpenedPart& part : parts_) {
       const Dataset& own = part.frames.dataset;
+      Append(own.lone_images, d.lone_images);
       Append(own.inclinometer, d.inclinometer);
       Append(own.wheels.samples, d.wheels.samples);
       Append(own.inertial.samples, d.inertial.samples);
@@ -215,6 +216,7 @@ class Uniter {
       if (!own.inertial.problem.empty()) d.inertial.problem = own.inertial.problem;
       if (d.surveyed_landmarks.empty()) d.surveyed_landmarks = own.surveyed_landmarks;
     }
+    InOrder(d.lone_images);
     InOrder(d.inclinometer);
     InOrder(d.wheels.samples);
     UnwrapDriveAngles(d.wheels.samples);

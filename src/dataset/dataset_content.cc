@@ -11,7 +11,7 @@
 namespace rigmap {
 
 std::string DatasetContent::Key() const {
-  return HashText(fmt::format("{}\n{}\n{}{}", rig, FramesKey(), inclinometer, sensors));
+  return HashText(fmt::format("{}\n{}\n{}{}{}", rig, FramesKey(), inclinometer, sensors, lone));
 }
 
 std::string DatasetContent::FramesKey() const {
@@ -78,6 +78,10 @@ DatasetContent HashContent(const Dataset& dataset, FileHashes& hashes) {
     }
     content.frames[i] = HashText(text);
   });
+  for (const LoneImage& image : dataset.lone_images) {
+    content.lone += fmt::format("{} {} {}\n", image.stamp_ns, static_cast<int>(image.eye),
+                                hashes.Hash(image.path));
+  }
   std::string inclinometer;
   for (const InclinometerSample& sample : dataset.inclinometer) {
     const Eigen::Vector3d& up = sample.acceleration_in_imu;

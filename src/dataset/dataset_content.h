@@ -16,6 +16,7 @@ struct DatasetContent {
   // Each with the bytes of its images only, whatever its stamp, folder and name: twelve hexadecimal
   // digits. Empty where both images are the same bytes: such are black or white, in any drive.
   std::vector<std::string> images;
+  std::string lone;          // the lone images, each with its stamp, eye and bytes; empty: none
   std::string inclinometer;  // with the readings beside the frames
   std::string sensors;       // with all that wheels and inertial unit measured; empty: nothing
 
@@ -25,7 +26,7 @@ struct DatasetContent {
 
   template <class Archive>
   void serialize(Archive& archive) {
-    archive(rig, frames, images, inclinometer, sensors);
+    archive(rig, frames, images, lone, inclinometer, sensors);
   }
 };
 

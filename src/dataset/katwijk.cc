@@ -144,9 +144,9 @@ StereoFrame ChoosePair(StampNs stamp_ns, const EyeImages& images, DatasetHealth&
 }
 
 // The pair of one stamp, of whole images where there are such; what is missing or damaged goes to
-// `health`.
-std::optional<StereoFrame> PairEyes(StampNs stamp_ns, const EyeImages& images,
-                                    DatasetHealth& health) {
+// the health of `dataset`, a lone image also to its lone ones.
+std::optional<StereoFrame> PairEyes(StampNs stamp_ns, const EyeImages& images, Dataset& dataset) {
+  DatasetHealth& health = dataset.health;
   EyeImages whole, chosen;
   for (std::size_t eye = 0; eye < images.size(); ++eye) {
     for (const auto& path : images[eye]) {
@@ -161,7 +161,9 @@ std::optional<StereoFrame> PairEyes(StampNs stamp_ns, const EyeImages& images,
     chosen[eye] = whole[eye].empty() ? images[eye] : whole[eye];
   }
   if (!chosen[0].empty() && !chosen[1].empty()) return ChoosePair(stamp_ns, chosen, health);
-  for (const auto& lone : whole) {
+  for (const Eye eye : kEyes) {
+    const auto& lone = whole[static_cast<std::size_t>(eye)];
+    if (!lone.empty()) dataset.lone_images.push_back({stamp_ns, eye, lone.front().string()});
     for (const auto& path : lone) health.lone_images.push_back(path.string());
   }
   return std::nullopt;
@@ -231,7 +233,7 @@ Dataset ReadKatwijkFrames(const KatwijkPart& part) {
   DatasetHealth& health = dataset.health;
   const fs::path folder = part.folder / "LocCam";
   for (const auto& [stamp_ns, images] : GroupByStamp(folder, health)) {
-    if (auto frame = PairEyes(stamp_ns, images, health)) dataset.frames.push_back(*frame);
+    if (auto frame = PairEyes(stamp_ns, images, dataset)) dataset.frames.push_back(*frame);
   }
   if (dataset.frames.empty()) {
     throw DataError(

@@ -160,6 +160,13 @@ void KeepFrames(const std::pair<int, int>& range, std::vector<StereoFrame>& fram
   frames = std::vector<StereoFrame>(frames.begin() + first, frames.begin() + end);
 }
 
+void KeepLoneImagesBetweenFrames(Dataset& dataset) {
+  std::erase_if(dataset.lone_images, [&](const LoneImage& image) {
+    return image.stamp_ns < dataset.frames.front().stamp_ns ||
+           image.stamp_ns > dataset.frames.back().stamp_ns;
+  });
+}
+
 // Of the frames that are kept.
 void ReadSensors(const fs::path& folder, Dataset& dataset) {
   if (folder.empty()) {
@@ -274,6 +281,7 @@ Dataset OpenDataset(const DatasetRequest& request) {
   dataset.rig_pool = std::move(rig.pool);
   DecideSampleBits(dataset.rig, dataset.frames);  // of the part, whichever frames are asked for
   if (request.frames) KeepFrames(*request.frames, dataset.frames);
+  KeepLoneImagesBetweenFrames(dataset);
   ReadSensors(opened.sensors, dataset);
   LogHealth(dataset);
   CheckSizes(dataset);

@@ -8,6 +8,7 @@
 
 #include "core/error.h"
 #include "dead_reckoning/estimate_motion.h"
+#include "trajectory/lost_frames.h"
 
 namespace rigmap {
 namespace {
@@ -16,21 +17,6 @@ namespace {
 constexpr double kMostSlips = 0.5, kMostMisled = 0.2;  // of all steps
 
 bool IsPredicted(const OdometryFrame& frame) { return frame.source == PoseSource::kPredicted; }
-
-// Predicted frames but for runs that are held from both sides: whose end hangs on a frame before.
-std::vector<int> Lost(const Odometry& odometry) {
-  std::vector<int> lost;
-  const int count = static_cast<int>(odometry.size());
-  for (int first = 0, end = 0; first < count; first = std::max(end, first + 1)) {
-    for (end = first; end < count && IsPredicted(odometry[end]); ++end) {
-    }
-    if (end < count && odometry[end].reference < first) continue;
-    for (int i = first; i < end; ++i) {
-      if (odometry[i].reference < i) lost.push_back(i);
-    }
-  }
-  return lost;
-}
 
 bool HasSensors(const Dataset& dataset) {
   return dataset.rig.imu_from_left && !dataset.wheels.samples.empty() &&
@@ -93,7 +79,7 @@ Matrix6d Growth(const EstimatedPose& before, const EstimatedPose& after,
 
 Odometry BridgeGaps(const Dataset& dataset, Odometry odometry, const DeadReckoningOptions& options,
                     const FilterOptions& filter) {
-  const std::vector<int> lost = Lost(odometry);
+  const std::vector<int> lost = LostFrames(odometry);
   const std::vector<VisualStep> visual = VisualSteps(odometry);
   if (visual.empty() || (lost.empty() && !HasSensors(dataset))) return odometry;
   EstimatedMotion motion;

@@ -6,6 +6,7 @@
 #include "features/internal/grey_pair.h"
 #include "features/keypoints.h"
 #include "features/stereo_matches.h"
+#include "imaging/image.h"
 
 namespace rigmap {
 namespace {
@@ -53,6 +54,25 @@ FrameFeatures ExtractFeatures(const StereoFrame& frame, const FeatureSetup& setu
   for (std::size_t i = 0; i < keypoints.pixels.size(); ++i) {
     result.features.push_back({keypoints.pixels[i], stereo_matches.right[i], keypoints.sizes[i]});
     result.patches.push_back(CutPatch(images.left, keypoints.pixels[i]));
+  }
+  return result;
+}
+
+FrameFeatures ExtractLoneFeatures(const LoneImage& image, int sample_bits,
+                                  const FeatureSetup& setup) {
+  FrameFeatures result;
+  result.stamp_ns = image.stamp_ns;
+  try {
+    const cv::Mat grey = ReadGrey(image.path, setup.rig.Of(image.eye).camera, sample_bits);
+    const cv::Mat& mask = image.eye == Eye::kLeft ? setup.left_mask : setup.right_mask;
+    Keypoints keypoints =
+        DetectKeypoints(grey, UsableMask(grey, mask, setup.mask_options), setup.options);
+    result.descriptors = std::move(keypoints.descriptors);
+    for (std::size_t i = 0; i < keypoints.pixels.size(); ++i) {
+      result.features.push_back({keypoints.pixels[i], std::nullopt, keypoints.sizes[i]});
+    }
+  } catch (const UnreadableImage&) {
+    result.unreadable_images.push_back(image.path);
   }
   return result;
 }

@@ -25,4 +25,9 @@ FeatureSetup MakeFeatureSetup(const StereoRig& rig, const FeatureOptions& option
 // has no features and names the file; throws DataError if one is missing or not of the rig's size.
 FrameFeatures ExtractFeatures(const StereoFrame& frame, const FeatureSetup& setup);
 
+// Keypoints with descriptors of one eye's image alone, as `left` of its features, without patches.
+// None of one that cannot be decoded; throws DataError as above.
+FrameFeatures ExtractLoneFeatures(const LoneImage& image, int sample_bits,
+                                  const FeatureSetup& setup);
+
 }  // namespace rigmap

@@ -29,6 +29,18 @@ struct StereoFrame {
   }
 };
 
+// An image of which the other eye's is missing.
+struct LoneImage {
+  StampNs stamp_ns = 0;
+  Eye eye = Eye::kLeft;
+  std::string path;  // absolute
+
+  template <class Archive>
+  void serialize(Archive& archive) {
+    archive(stamp_ns, eye, path);
+  }
+};
+
 // "left/<stamp_ns>.<ext>" or "right/...": the name under which COLMAP knows a frame's image. The
 // extension is the file's, in lower case.
 std::string ImageName(const StereoFrame& frame, Eye eye);
@@ -68,6 +80,7 @@ struct Dataset {
   StereoRig rig;
   std::optional<RigPool> rig_pool;               // where the rig's file is of one
   std::vector<StereoFrame> frames;               // strictly increasing stamps
+  std::vector<LoneImage> lone_images;            // from the first frame to the last, by time
   std::vector<InclinometerSample> inclinometer;  // about one per frame, averaged around its stamp
   WheelRecord wheels;          // from somewhat before the first frame to after the last
   InertialRecord inertial;     // the same, all rows
@@ -79,7 +92,7 @@ struct Dataset {
   // Without the pool, whose rig has been taken already.
   template <class Archive>
   void serialize(Archive& archive) {
-    archive(format, rig, frames, inclinometer, wheels, inertial, truth_path, fixes,
+    archive(format, rig, frames, lone_images, inclinometer, wheels, inertial, truth_path, fixes,
             surveyed_landmarks, health);
   }
 };

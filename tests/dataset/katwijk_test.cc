@@ -75,6 +75,11 @@ TEST_F(KatwijkFramesTest, LoneEyesAreCountedAndLeftOut) {
   EXPECT_THAT(dataset.health.lone_images,
               ElementsAre(EndsWith("37_5_0.png"), EndsWith("38_5_1.png")));
   EXPECT_EQ(dataset.health.images_read, 4);
+  ASSERT_EQ(dataset.lone_images.size(), 2U);
+  EXPECT_EQ(dataset.lone_images[0].eye, Eye::kLeft);
+  EXPECT_EQ(dataset.lone_images[1].eye, Eye::kRight);
+  EXPECT_THAT(dataset.lone_images[1].path, EndsWith("38_5_1.png"));
+  EXPECT_LT(dataset.frames[0].stamp_ns, dataset.lone_images[0].stamp_ns);
 }
 
 TEST_F(KatwijkFramesTest, DamagedImagesAreNamedAndTheirPairsKept) {
@@ -95,6 +100,7 @@ TEST_F(KatwijkFramesTest, DamagedLoneImageMakesNoPair) {
   const Dataset dataset = Read();
   EXPECT_THAT(Order(dataset), ElementsAre("36_5"));
   EXPECT_THAT(dataset.health.unreadable_images, ElementsAre(EndsWith("37_5_0.png")));
+  EXPECT_TRUE(dataset.lone_images.empty());
 }
 
 TEST_F(KatwijkFramesTest, OfEqualStampsTheWholePairIsTaken) {

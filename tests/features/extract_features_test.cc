@@ -116,6 +116,28 @@ TEST_F(ExtractFeaturesTest, DamagedImageGivesAnEmptyFrameThatNamesIt) {
   EXPECT_THROW(ExtractFeatures(frame_, MakeFeatureSetup(rig_, {}, {})), DataError);
 }
 
+TEST_F(ExtractFeaturesTest, OfALoneImageAreThoseOfItsEye) {
+  const FeatureSetup setup = MakeFeatureSetup(rig_, {}, {});
+  const FrameFeatures both = ExtractFeatures(frame_, setup);
+  const FrameFeatures left = ExtractLoneFeatures({7, Eye::kLeft, frame_.left_path}, 16, setup);
+  EXPECT_EQ(left.stamp_ns, 7);
+  ASSERT_EQ(left.features.size(), both.features.size());
+  EXPECT_EQ(left.descriptors, both.descriptors);
+  EXPECT_EQ(left.features[5].left, both.features[5].left);
+  EXPECT_FALSE(left.features[5].right);
+  const FrameFeatures right = ExtractLoneFeatures({7, Eye::kRight, frame_.right_path}, 16, setup);
+  EXPECT_GT(right.features.size(), 1000u);
+  EXPECT_NE(right.features[5].left, both.features[5].left);
+}
+
+TEST_F(ExtractFeaturesTest, ADamagedLoneImageShowsNothing) {
+  std::filesystem::resize_file(frame_.left_path, 100);
+  const FrameFeatures found =
+      ExtractLoneFeatures({7, Eye::kLeft, frame_.left_path}, 16, MakeFeatureSetup(rig_, {}, {}));
+  EXPECT_TRUE(found.features.empty());
+  EXPECT_EQ(found.unreadable_images.size(), 1u);
+}
+
 TEST_F(ExtractFeaturesTest, MissingImagesAreNamed) {
   frame_.right_path += ".gone";
   try {

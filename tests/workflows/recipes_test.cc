@@ -25,9 +25,9 @@ using Names = std::set<std::string>;
 // Stages and checks that read an option, by section, and by option where they differ from the rest
 // of it: what docs/stages.md says.
 const std::map<std::string, Names> kReaders{
-    {"masks", {"features", "dense"}},
-    {"features", {"features"}},
-    {"odometry", {"odometry", "adjustment"}},
+    {"masks", {"features", "bridging", "adjustment", "dense"}},
+    {"features", {"features", "bridging", "adjustment"}},
+    {"odometry", {"odometry", "bridging", "adjustment"}},
     {"dead_reckoning", {"bridging", "adjustment"}},
     {"filter", {"bridging", "adjustment"}},
     {"matching", {"matching", "adjustment"}},

@@ -7,13 +7,13 @@
 #include <numbers>
 
 #include "adjustment/carry_groups.h"
-#include "dead_reckoning/bridge_gaps.h"
 #include "matching/loop_closures_by_rig.h"
 #include "odometry/track_frames.h"
 #include "pipeline/code_identity.h"
 #include "pose_graph/relax_poses.h"
 #include "trajectory/starting_poses.h"
 #include "workflows/stages/calibration_output.h"
+#include "workflows/stages/odometry.h"
 #include "workflows/stages/trajectory.h"
 #include "workflows/stages/trajectory_output.h"
 
@@ -31,9 +31,7 @@ struct Adjuster {
   Gates of_mapping;
   const MatchingOptions& matching;
   const AdjustmentOptions& options;
-  const OdometryOptions& odometry_options;
-  const DeadReckoningOptions& rover;
-  const FilterOptions& filter;
+  const BridgingOptions& bridging;
   const AdjustmentGateOptions& gates;
 
   AdjustedPart From(StartingFrom from) const {
@@ -88,13 +86,12 @@ struct Adjuster {
       return std::optional(part.trajectory[to].world_from_left.Inverse() *
                            part.trajectory[from].world_from_left);
     };
-    Odometry steps =
-        BridgeGaps(dataset,
-                   TrackFrames(features.frame_count(), features.AsSource(), part.adjustment.rig,
-                               odometry_options, MatchBy::kDescriptors, expected),
-                   rover, filter);
+    const StereoRig& rig = part.adjustment.rig;
+    Odometry steps = TrackFrames(features.frame_count(), features.AsSource(), rig,
+                                 bridging.odometry, MatchBy::kDescriptors, expected);
+    steps = Bridged(dataset, rig, features, std::move(steps), bridging);
     for (std::size_t i = 0; i < steps.size(); ++i) steps[i].keyframe = odometry[i].keyframe;
-    return {std::move(steps), LoopClosuresByRig(matches, part.adjustment.rig, matching)};
+    return {std::move(steps), LoopClosuresByRig(matches, rig, matching)};
   }
 };
 
@@ -127,16 +124,17 @@ AdjustedPart MakeAdjusted(const StageContext&, const Dataset& dataset, const Dat
                           const FeatureStore& features, const Odometry& odometry,
                           const Correspondences& matches, const KeyframeGraph& graph,
                           const AlignedKeyframes& aligned, const InTurn<StartingFrom>& ways,
+                          const FeatureOptions& of_features, const MaskOptions& masks,
                           const MatchingOptions& matching, const AdjustmentOptions& options,
                           const OdometryOptions& odometry_options,
                           const DeadReckoningOptions& rover, const FilterOptions& filter,
                           const MappingGateOptions& mapping_gates,
                           const AdjustmentGateOptions& gates) {
+  const BridgingOptions bridging{of_features, masks, odometry_options, rover, filter};
   const auto shape = ShapeOf(aligned.world_from_left.empty() ? nullptr : &aligned);
   return AdjustInTurn(
       {dataset, features, odometry, matches, PosesByFrame(aligned, graph, odometry.size()),
-       JudgeMapping(shape, mapping_gates), matching, options, odometry_options, rover, filter,
-       gates},
+       JudgeMapping(shape, mapping_gates), matching, options, bridging, gates},
       ways);
 }
 

@@ -8,8 +8,10 @@
 #include "adjustment/adjust.h"
 #include "dataset/dataset_content.h"
 #include "dead_reckoning/dead_reckoning_options.h"
+#include "features/feature_options.h"
 #include "features/feature_store.h"
 #include "gates/gates.h"
+#include "imaging/mask_options.h"
 #include "matching/matching_options.h"
 #include "odometry/odometry_options.h"
 #include "pipeline/stage.h"
@@ -30,8 +32,9 @@ using AdjustmentStage =
     Stage<AdjustedPart,
           Takes<Dataset, DatasetContent, FeatureStore, Odometry, Correspondences, KeyframeGraph,
                 AlignedKeyframes>,
-          Reads<InTurn<StartingFrom>, MatchingOptions, AdjustmentOptions, OdometryOptions,
-                DeadReckoningOptions, FilterOptions, MappingGateOptions, AdjustmentGateOptions>>;
+          Reads<InTurn<StartingFrom>, FeatureOptions, MaskOptions, MatchingOptions,
+                AdjustmentOptions, OdometryOptions, DeadReckoningOptions, FilterOptions,
+                MappingGateOptions, AdjustmentGateOptions>>;
 // Where what was mapped fails its gates the adjustment starts from the odometry. Where the images
 // correct the rig, the odometry is done anew and loop closures are measured anew with the corrected
 // rig, and the adjustment starts from that, since both erred as the wrong rig did. Else, where a

@@ -7,8 +7,8 @@
 #include <map>
 
 #include "core/disjoint_sets.h"
-#include "dead_reckoning/bridge_gaps.h"
 #include "pipeline/code_identity.h"
+#include "workflows/stages/odometry.h"
 
 namespace rigmap {
 namespace {
@@ -49,11 +49,13 @@ ExpectedMotion MotionInParts(const JoinedParts& parts) {
 }
 
 Odometry MakeOdometry(const StageContext&, const Dataset& dataset, const FeatureStore& features,
-                      const JoinedParts& parts, const OdometryOptions& options,
+                      const JoinedParts& parts, const FeatureOptions& of_features,
+                      const MaskOptions& masks, const OdometryOptions& options,
                       const DeadReckoningOptions& rover, const FilterOptions& filter) {
-  Odometry odometry = BridgeGaps(
-      dataset, TrackAll(dataset, features, options, MatchBy::kDescriptors, MotionInParts(parts)),
-      rover, filter);
+  Odometry odometry =
+      Bridged(dataset, dataset.rig, features,
+              TrackAll(dataset, features, options, MatchBy::kDescriptors, MotionInParts(parts)),
+              {of_features, masks, options, rover, filter});
   for (std::size_t i = 0; i < odometry.size(); ++i) {
     odometry[i].keyframe = parts.keyframes[i] != 0;
   }

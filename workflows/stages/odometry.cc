@@ -1,9 +1,13 @@
 #include "workflows/stages/odometry.h"
 
 #include <algorithm>
+#include <map>
+#include <optional>
 
 #include "core/progress.h"
 #include "dead_reckoning/bridge_gaps.h"
+#include "features/extract_features.h"
+#include "odometry/lone_views.h"
 #include "pipeline/code_identity.h"
 #include "workflows/stages/joinable.h"
 
@@ -17,9 +21,55 @@ Odometry MakeOdometry(const StageContext&, const Dataset& dataset, const Feature
   return TrackAll(dataset, features, options, MatchBy::kDescriptors);
 }
 
-Odometry MakeBridged(const StageContext&, const Dataset& dataset, const Odometry& odometry,
+// Lone images of stretches, read when they are asked for.
+class LoneViews {
+ public:
+  LoneViews(const Dataset& dataset, const FeatureStore& features, const BridgingOptions& options)
+      : dataset_(dataset), features_(features), options_(options) {}
+
+  std::vector<LoneView> Between(StampNs after, StampNs before) {
+    std::vector<LoneImage> images = dataset_.lone_images;
+    std::erase_if(images, [&](const LoneImage& image) {
+      return image.stamp_ns <= after || image.stamp_ns >= before ||
+             !std::filesystem::exists(image.path);  // parts are joined without their images, too
+    });
+    for (std::size_t i = 0; i < dataset_.frames.size(); ++i) {
+      const StereoFrame& frame = dataset_.frames[i];
+      if (frame.stamp_ns <= after || frame.stamp_ns >= before) continue;
+      const auto unreadable = features_.Get(static_cast<int>(i)).unreadable_images;
+      if (unreadable.size() != 1) continue;
+      const Eye eye = unreadable.front() == frame.left_path ? Eye::kRight : Eye::kLeft;
+      images.push_back({frame.stamp_ns, eye, frame.PathOf(eye)});
+    }
+    std::ranges::sort(images, {}, &LoneImage::stamp_ns);
+    std::vector<LoneView> views;
+    for (const LoneImage& image : images) views.push_back({image.eye, FeaturesOf(image)});
+    return views;
+  }
+
+ private:
+  const FrameFeatures& FeaturesOf(const LoneImage& image) {
+    if (!setup_) setup_ = MakeFeatureSetup(dataset_.rig, options_.features, options_.masks);
+    auto [known, is_new] = known_.try_emplace(image.path);
+    if (is_new) {
+      known->second = ExtractLoneFeatures(image, dataset_.frames.front().sample_bits, *setup_);
+    }
+    return known->second;
+  }
+
+  const Dataset& dataset_;
+  const FeatureStore& features_;
+  const BridgingOptions& options_;
+  std::optional<FeatureSetup> setup_;
+  std::map<std::string, FrameFeatures> known_;
+};
+
+Odometry MakeBridged(const StageContext&, const Dataset& dataset, const FeatureStore& features,
+                     const Odometry& odometry, const FeatureOptions& of_features,
+                     const MaskOptions& masks, const OdometryOptions& options,
                      const DeadReckoningOptions& rover, const FilterOptions& filter) {
-  return BridgeGaps(dataset, odometry, rover, filter);
+  return Bridged(dataset, dataset.rig, features, odometry,
+                 {of_features, masks, options, rover, filter});
 }
 
 Report ReportOdometry(const Odometry& odometry, const Dataset&, const FeatureStore&) {
@@ -45,6 +95,16 @@ Odometry TrackAll(const Dataset& dataset, const FeatureStore& features,
   return TrackFrames(features.frame_count(), load, dataset.rig, options, match_by, expected);
 }
 
+Odometry Bridged(const Dataset& dataset, const StereoRig& rig, const FeatureStore& features,
+                 Odometry odometry, const BridgingOptions& options) {
+  LoneViews views(dataset, features, options);
+  const auto between = [&](StampNs after, StampNs before) { return views.Between(after, before); };
+  return BridgeGaps(
+      dataset,
+      BridgeByLoneViews(std::move(odometry), features.AsSource(), between, rig, options.odometry),
+      options.rover, options.filter);
+}
+
 OdometryStage VisualOdometry() {
   return {
       .name = "odometry",
@@ -58,10 +118,11 @@ OdometryStage VisualOdometry() {
 }
 
 BridgingStage Bridging() {
-  return {.name = "bridging",
-          .about = "the motion by wheels and gyro where images lose their way or mislead",
-          .code = CodeHere(),
-          .make = MakeBridged};
+  return {
+      .name = "bridging",
+      .about = "the motion where stereo images lose their way: by lone images, by wheels and gyro",
+      .code = CodeHere(),
+      .make = MakeBridged};
 }
 
 Odometry ReadJoinableOdometry(const std::filesystem::path& root) {

@@ -4,7 +4,9 @@
 #include <filesystem>
 
 #include "dead_reckoning/dead_reckoning_options.h"
+#include "features/feature_options.h"
 #include "features/feature_store.h"
+#include "imaging/mask_options.h"
 #include "odometry/track_frames.h"
 #include "pipeline/stage.h"
 #include "scene/dataset.h"
@@ -14,9 +16,22 @@ namespace rigmap {
 using OdometryStage = Stage<Odometry, Takes<Dataset, FeatureStore>, Reads<OdometryOptions>>;
 OdometryStage VisualOdometry();
 
+// What tells the way where the odometry has lost it.
+struct BridgingOptions {
+  const FeatureOptions& features;  // of lone images
+  const MaskOptions& masks;
+  const OdometryOptions& odometry;
+  const DeadReckoningOptions& rover;
+  const FilterOptions& filter;
+};
+// By images of which the other eye's is missing or cannot be read (lone_views.h), then by wheels
+// and gyro (bridge_gaps.h). `rig`: what the odometry was made with.
+Odometry Bridged(const Dataset& dataset, const StereoRig& rig, const FeatureStore& features,
+                 Odometry odometry, const BridgingOptions& options);
+
 using BridgingStage =
-    Stage<Odometry, Takes<Dataset, Odometry>, Reads<DeadReckoningOptions, FilterOptions>>;
-// The motion by the rover's wheels and gyro where the odometry lost its way (bridge_gaps.h).
+    Stage<Odometry, Takes<Dataset, FeatureStore, Odometry>,
+          Reads<FeatureOptions, MaskOptions, OdometryOptions, DeadReckoningOptions, FilterOptions>>;
 BridgingStage Bridging();
 
 // As the stage has left it in a part's folder. Throws DataError (joinable.h).
