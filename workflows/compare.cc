@@ -4,6 +4,7 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <iterator>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <tuple>
@@ -18,6 +19,7 @@
 #include "workflows/reconstruct_part.h"
 #include "workflows/report.h"
 #include "workflows/run_in_folder.h"
+#include "workflows/traverse_plan.h"
 
 namespace rigmap {
 namespace {
@@ -26,12 +28,11 @@ namespace fs = std::filesystem;
 
 struct Run {
   RunName name;
-  Technique technique = Technique::kRig;
-  PartOptions options;
-  fs::path out;
+  PartRequest request;
 
+  const fs::path& Out() const { return request.out; }
   // The row, kept beside the folder.
-  fs::path RowFile() const { return out.string() + ".json"; }
+  fs::path RowFile() const { return Out().string() + ".json"; }
 };
 
 // COLMAP samples at random; all else gives equal results for equal data.
@@ -40,7 +41,7 @@ bool HasChance(Technique technique) {
          technique == Technique::kSfm || technique == Technique::kCombined;
 }
 
-std::string PartName(const DatasetRequest& dataset) {
+std::string NameOfData(const DatasetRequest& dataset) {
   fs::path folder = fs::absolute(dataset.folder).lexically_normal();
   if (!folder.has_filename()) folder = folder.parent_path();
   std::string name = folder.filename().string();
@@ -79,7 +80,7 @@ std::string KeyOf(const DatasetRequest& request, const fs::path& hashes) {
 
 // The part's name or, where results of other data bear it, with a few digits that tell them apart.
 std::string NameAmong(const fs::path& runs, const PartRequest& part) {
-  const std::string name = PartName(part.dataset);
+  const std::string name = NameOfData(part.dataset);
   const auto found = AnyResult(runs / name);
   if (!found) return name;
   Job job(part.threads, true);
@@ -104,32 +105,48 @@ std::vector<std::vector<std::string>> Settings(const std::vector<Sweep>& sweeps)
   return settings;
 }
 
-std::vector<Run> PlanRuns(const CompareRequest& request) {
-  const std::string part = NameAmong(request.out / "runs", *request.part);
+// By each technique, with each setting, as often as chance has a say.
+std::vector<Run> PlanRuns(const CompareRequest& request, const PartRequest& part) {
+  const std::string part_name = NameAmong(request.out / "runs", part);
   std::vector<Run> runs;
   for (const Technique technique : request.techniques) {
     for (const auto& setting : Settings(request.sweeps)) {
       const int repeats = HasChance(technique) ? request.repeats : 1;
       for (int repeat = 0; repeat < repeats; ++repeat) {
-        Run run{
-            .name = {part, NameOf(technique), fmt::format("{}", fmt::join(setting, " ")), repeat},
-            .technique = technique};
+        const std::string technique_name(NameOf(technique));
+        Run run{{part_name, technique_name, fmt::format("{}", fmt::join(setting, " ")), repeat},
+                part};
         std::vector<std::string> assignments = request.assignments;
         for (const char* seed : {"mapping.random_seed", "sfm.random_seed"}) {
           if (repeat > 0) assignments.push_back(fmt::format("{}={}", seed, repeat));
         }
         assignments.insert(assignments.end(), setting.begin(), setting.end());
-        run.options = LoadPartOptions(request.config, assignments);
-        run.options.gates.poses.accuracy_pct = request.part->options.gates.poses.accuracy_pct;
+        run.request.technique = technique;
+        run.request.options = LoadPartOptions(request.config, assignments);
+        run.request.options.gates.poses.accuracy_pct = part.options.gates.poses.accuracy_pct;
         const std::string label = setting.empty()
-                                      ? run.name.technique
-                                      : fmt::format("{} {}", run.name.technique, run.name.setting);
-        run.name.run = fs::path("runs") / part / label / std::to_string(repeat);
-        if (request.part->truth) run.name.truth = fs::absolute(TruthFile(*request.part->truth));
-        run.out = request.out / run.name.run;
+                                      ? technique_name
+                                      : fmt::format("{} {}", technique_name, run.name.setting);
+        run.name.run = fs::path("runs") / part_name / label / std::to_string(repeat);
+        if (part.truth) run.name.truth = fs::absolute(TruthFile(*part.truth));
+        run.request.out = request.out / run.name.run;
         runs.push_back(std::move(run));
       }
     }
+  }
+  return runs;
+}
+
+// Of all parts that the request names.
+std::vector<Run> PlanRuns(const CompareRequest& request) {
+  const std::vector<DatasetRequest> parts = PartsOf(request.part->dataset);
+  if (parts.size() == 1) return PlanRuns(request, *request.part);
+  std::vector<Run> runs;
+  for (const DatasetRequest& dataset : parts) {
+    PartRequest part = *request.part;
+    part.dataset = dataset;
+    part.truth = TruthOfPart(request.part->truth, dataset);
+    std::ranges::move(PlanRuns(request, part), std::back_inserter(runs));
   }
   return runs;
 }
@@ -139,7 +156,7 @@ bool IsResult(const fs::path& folder) { return fs::exists(folder / ".dataset"); 
 // A result of the same part to begin from: one by the same technique, else any.
 std::optional<fs::path> FindDonor(const Run& run) {
   std::optional<fs::path> donor;
-  const fs::path part = run.out.parent_path().parent_path();
+  const fs::path part = run.Out().parent_path().parent_path();
   if (!fs::exists(part)) return donor;
   for (const auto& label : fs::directory_iterator(part)) {
     for (const auto& folder : fs::directory_iterator(label)) {
@@ -165,14 +182,10 @@ void BeginWithStagesOf(const fs::path& donor, const fs::path& out) {
   fs::rename(whole, out);
 }
 
-ComparisonRow Do(const Run& run, const PartRequest& part) {
-  PartRequest request = part;
-  request.technique = run.technique;
-  request.options = run.options;
-  request.out = run.out;
+ComparisonRow Do(const Run& run) {
   try {
-    ReconstructPart(request);
-    return MakeRow(run.name, run.out);
+    ReconstructPart(run.request);
+    return MakeRow(run.name, run.Out());
   } catch (const UsageError& error) {
     return MakeFailedRow(run.name, 2, error.what());
   } catch (const std::exception& error) {
@@ -184,13 +197,14 @@ void DoAll(const CompareRequest& request) {
   const std::vector<Run> runs = PlanRuns(request);
   for (std::size_t i = 0; i < runs.size(); ++i) {
     const Run& run = runs[i];
-    if (!request.part->quiet)
-      spdlog::info("run {} of {}: {}", i + 1, runs.size(), run.out.string());
-    fs::create_directories(run.out.parent_path());
-    if (!fs::exists(run.out)) {
-      if (const auto donor = FindDonor(run)) BeginWithStagesOf(*donor, run.out);
+    if (!request.part->quiet) {
+      spdlog::info("run {} of {}: {}", i + 1, runs.size(), run.Out().string());
     }
-    const ComparisonRow row = Do(run, *request.part);
+    fs::create_directories(run.Out().parent_path());
+    if (!fs::exists(run.Out())) {
+      if (const auto donor = FindDonor(run)) BeginWithStagesOf(*donor, run.Out());
+    }
+    const ComparisonRow row = Do(run);
     if (row["status"] != "ok") {
       spdlog::warn("{} {}: {}", run.name.technique, row["status"].get<std::string>(),
                    row["reason"].is_string() ? row["reason"].get<std::string>() : "");

@@ -23,7 +23,9 @@ Sweep ParseSweep(const std::string& text);
 struct CompareRequest {
   std::filesystem::path out;
   std::vector<std::filesystem::path> outs;  // finished results; none: `part` is reconstructed
-  std::optional<PartRequest> part;          // its technique and `out` are not used
+  // Its technique and `out` are not used. Of a Katwijk folder all parts that fit, each with its own
+  // of the truths in a folder of such.
+  std::optional<PartRequest> part;
   std::optional<std::filesystem::path> config;
   std::vector<std::string> assignments;  // that the options of `part` were made from
   std::vector<Technique> techniques;

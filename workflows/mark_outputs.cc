@@ -31,7 +31,7 @@ std::vector<fs::path> FilesOf(const fs::path& published) {
 }  // namespace
 
 void MarkOutputs(const fs::path& root, const Ledger& ledger) {
-  constexpr std::array<std::string_view, 3> kWithComments{".tum", ".ply", ".yaml"};
+  constexpr std::array<std::string_view, 4> kWithComments{".g2o", ".tum", ".ply", ".yaml"};
   const PartResult result = Judge(ledger);
   if (result.status == PartStatus::kPartial) return;
   const std::string warning = WarningOf(result.refusal);

@@ -7,10 +7,10 @@
 
 namespace rigmap {
 
-// Puts into the headers of the clouds, TUM and KITTI trajectories and rig files that the ledger
-// speaks of why they are not to be trusted, and takes that away from those that are. Files made
-// after the gates were checked bear it from the start (the stages `raster` and `views`). Those of
-// results of which no gate was checked stay as they are.
+// Puts into the headers of the clouds, trajectories (TUM, KITTI), pose graphs and rig files that
+// the ledger speaks of why they are not to be trusted, and takes that away from those that are.
+// Files made after the gates were checked bear it from the start (the stages `raster` and `views`).
+// Those of results of which no gate was checked stay as they are.
 void MarkOutputs(const std::filesystem::path& root, const Ledger& ledger);
 
 }  // namespace rigmap

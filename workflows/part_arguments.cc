@@ -251,8 +251,8 @@ std::string PrintPlan(const RunArguments& a) {
 CLI::App* AddCompare(CLI::App& app, CompareArguments& a) {
   CLI::App* compare =
       app.add_subcommand("compare",
-                         "Reconstruct a part in several ways, and set results side by "
-                         "side");
+                         "Reconstruct a part, or all parts of a traverse, in several "
+                         "ways, and set results side by side");
   compare->add_option("outs", a.outs, "Folders with results, instead of --dataset");
   AddPartInputs(compare, a.part);
   compare->add_option("--techniques", a.techniques, "Which of them (rigmap part --technique)")

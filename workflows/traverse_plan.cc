@@ -71,20 +71,6 @@ std::string PartName(const DatasetRequest& part) {
   return part.part ? std::to_string(*part.part) : "1";
 }
 
-// What --truth means for one part: of a folder with some of parts its own, if it has one.
-std::optional<fs::path> TruthOfPart(const std::optional<fs::path>& truth,
-                                    const DatasetRequest& part) {
-  if (!truth || !fs::is_directory(*truth) || fs::exists(*truth / "trajectory.tum")) return truth;
-  const fs::path own = *truth / fmt::format("Part{}", part.part.value_or(1));
-  if (fs::exists(own / "trajectory.tum")) return own;
-  const bool has_others =
-      std::any_of(fs::directory_iterator(*truth), {}, [](const fs::directory_entry& entry) {
-        return entry.path().filename().string().starts_with("Part") &&
-               fs::exists(entry.path() / "trajectory.tum");
-      });
-  return has_others ? std::nullopt : truth;
-}
-
 // All parts that can be used, the others with why not. Throws what the first is unusable for, where
 // all are.
 std::vector<PartData> ExamineParts(const std::vector<DatasetRequest>& parts) {
@@ -167,6 +153,19 @@ void AddJobs(const DatasetRequest& part, const PartData& findings, int pieces,
 }
 
 }  // namespace
+
+std::optional<fs::path> TruthOfPart(const std::optional<fs::path>& truth,
+                                    const DatasetRequest& part) {
+  if (!truth || !fs::is_directory(*truth) || fs::exists(*truth / "trajectory.tum")) return truth;
+  const fs::path own = *truth / fmt::format("Part{}", part.part.value_or(1));
+  if (fs::exists(own / "trajectory.tum")) return own;
+  const bool has_others =
+      std::any_of(fs::directory_iterator(*truth), {}, [](const fs::directory_entry& entry) {
+        return entry.path().filename().string().starts_with("Part") &&
+               fs::exists(entry.path() / "trajectory.tum");
+      });
+  return has_others ? std::nullopt : truth;
+}
 
 int PiecesOfAtMost(int max_pairs, int pairs, int overlap) {
   const int own = max_pairs - overlap;  // of each piece, beside what it shares with the next

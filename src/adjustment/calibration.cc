@@ -269,9 +269,10 @@ RigRefinement NextRefinement(RigRefinement refined, const CalibrationVector& now
     spdlog::info(
         "rig refined by {} instead of {}: stretches left out gain {:.1f}, {} of {} against",
         NameOf(next), NameOf(refined), gain->sum, gain->against, gain->blocks);
-    // One stretch in eight may show something else: a person, a car, glare.
-    constexpr int kStretchesPerDissenter = 8;
-    return gain->sum > least_gain && gain->against <= gain->blocks / kStretchesPerDissenter;
+    // One stretch in eight may show something else: a person, a car, glare. Of six already where it
+    // is not the scale that is asked for.
+    const int per_dissenter = next == RigRefinement::kAllButFocal ? 6 : 8;
+    return gain->sum > least_gain && gain->against <= gain->blocks / per_dissenter;
   };
   const auto do_regions_confirm = [&] {
     const auto gain =

@@ -11,7 +11,9 @@
 namespace rigmap {
 namespace {
 
-constexpr int kMostStretches = 8;
+// As few as can contradict each other, as far as there are frames for so many; else two frames
+// each.
+constexpr int kMostStretches = 8, kFewestStretches = 4;
 constexpr int kRings = 4, kRegions = 2 * kRings;
 
 // Equations of one point, its position eliminated.
@@ -107,7 +109,8 @@ CalibrationBlocks DivideCalibration(const std::vector<AdjustedPoint>& points,
                                     double huber_px) {
   const auto posed = static_cast<int>(
       std::ranges::count_if(left_from_world, [](const auto& pose) { return pose.has_value(); }));
-  const int count = std::min(kMostStretches, posed / 2);
+  const int count =
+      std::min(kMostStretches, std::max(posed / 2, std::min(posed, kFewestStretches)));
   if (count == 0) return {};
   const std::vector<int> stretches = StretchesOf(points, left_from_world, count, posed);
   const std::vector<int> regions = RegionsOf(points, rig.left.camera);

@@ -290,6 +290,22 @@ TEST(NextRefinement, AsksForHalfOfWhatAFocalLengthWouldExplain) {
   EXPECT_EQ(next(2.0), RigRefinement::kAll);
 }
 
+// Of a short part's six stretches one says the opposite: not of the focal length.
+TEST(NextRefinement, OneStretchOfSixMayShowSomethingElse) {
+  const AdjustmentOptions options;
+  const CalibrationPrior prior = PriorOf(LocCamRig(), options);
+  const auto next = [&](RigRefinement refined, CalibrationParameter parameter,
+                        const std::vector<double>& scatter) {
+    return NextRefinement(refined, CalibrationVector::Zero(),
+                          Stretches(parameter, 2.0, prior, scatter), prior, options);
+  };
+  const std::vector<double> one{-3.5, 0.7, 0.7, 0.7, 0.7, 0.7},
+      one_of_five{-3.5, 0.9, 0.9, 0.9, 0.9};
+  EXPECT_EQ(next(RigRefinement::kNone, kRotationY, one), RigRefinement::kAllButFocal);
+  EXPECT_EQ(next(RigRefinement::kNone, kRotationY, one_of_five), RigRefinement::kNone);
+  EXPECT_EQ(next(RigRefinement::kAllButFocal, kLogFocal, one), RigRefinement::kAllButFocal);
+}
+
 TEST(MostProbable, FarOutThePriorHardlyPullsAtTheFocalLength) {
   const AdjustmentOptions options{.shared_noise = 1.0};
   const CalibrationPrior prior = PriorOf(LocCamRig(), options);

@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cstdlib>
 #include <nlohmann/json.hpp>
 
 #include "core/file.h"
@@ -114,6 +115,23 @@ TEST_F(CompareTest, KnowsBeforeTheFirstRunWhatCannotBe) {
     EXPECT_FALSE(fs::exists(out_)) << word;
   }
   EXPECT_EQ(RunRigmap({"compare", "--out", out_}).exit_code, 2);
+}
+
+TEST_F(CompareTest, TakesAllPartsThatFit) {
+  const char* data = std::getenv("RIGMAP_DATA");
+  if (!data) GTEST_SKIP() << "RIGMAP_DATA is not set";
+  const fs::path beach = fs::path(data) / "beach-dev";
+  const ProgramEnd end =
+      RunRigmap({"compare", "--dataset", beach, "--traverse", "3", "--truth", beach / "truth",
+                 "--techniques", "wheels", "--out", out_, "--quiet"});
+  ASSERT_EQ(end.exit_code, 0) << end.err;
+  const json rows = Rows();
+  ASSERT_EQ(rows.size(), 2U);
+  EXPECT_EQ(rows[0]["part"], "beach-dev-traverse3-part1");
+  EXPECT_EQ(rows[1]["part"], "beach-dev-traverse3-part2");
+  EXPECT_NEAR(rows[0]["path_m"].get<double>(), 7.84, 0.01);  // each beside its own truth
+  EXPECT_NEAR(rows[1]["path_m"].get<double>(), 5.19, 0.01);
+  for (const json& row : rows) EXPECT_LT(row["ate_se3_pct"], 1.0);
 }
 
 }  // namespace

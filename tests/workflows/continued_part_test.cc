@@ -149,7 +149,7 @@ TEST_F(ContinuedPart, SaysInEveryFileThatItIsNotTrustedAsLongAsItIsNot) {
   ASSERT_EQ(Continue({"--set", "gates.epipolar_px=0.000001"}).exit_code, 3);
   const std::string sentence = "not trusted: left and right images do not fit the rig file\n";
   for (const char* name : {"trajectory.tum", "trajectory_kitti.txt", "trajectory_midpoint.tum",
-                           "steps/odometry.tum"}) {
+                           "steps/odometry.tum", "posegraph.g2o"}) {
     EXPECT_THAT(ReadTextFile(out_ / name), StartsWith("# " + sentence)) << name;
   }
   for (const char* name : {"dense.ply", "sparse.ply"}) {
