@@ -8,6 +8,7 @@
 
 #include "core/error.h"
 #include "dead_reckoning/estimate_motion.h"
+#include "dead_reckoning/internal/wheel_agreement.h"
 #include "trajectory/lost_frames.h"
 
 namespace rigmap {
@@ -40,6 +41,18 @@ std::vector<bool> BySensors(const Odometry& odometry, const std::vector<int>& lo
     if (!motion.poses[i].is_measured) chosen[i] = false;
   }
   return chosen;
+}
+
+// Frames to which images and wheels tell the same way.
+std::vector<bool> CheckedByImages(const Odometry& odometry, const EstimatedMotion& motion) {
+  std::vector<bool> checked(odometry.size(), false);
+  for (std::size_t i = 0; i < odometry.size(); ++i) {
+    checked[i] = odometry[i].source == PoseSource::kOdometry;
+  }
+  for (const auto& others : {motion.slips, motion.misled}) {
+    for (const int i : others) checked[i] = false;
+  }
+  return checked;
 }
 
 // Nothing less than `least` in any direction: what is left of a difference of covariances may be
@@ -105,6 +118,8 @@ Odometry BridgeGaps(const Dataset& dataset, Odometry odometry, const DeadReckoni
   // In order, so that what hangs on a frame follows it.
   const Odometry before = odometry;
   const std::vector<bool> by_sensors = BySensors(before, lost, motion);
+  const std::vector<int> unlike =
+      FramesOfUnlikeWheels(dataset, motion, CheckedByImages(before, motion), by_sensors);
   for (int i = 1; i < static_cast<int>(before.size()); ++i) {
     OdometryFrame& frame = odometry[i];
     if (frame.reference >= i) continue;
@@ -114,7 +129,8 @@ Odometry BridgeGaps(const Dataset& dataset, Odometry odometry, const DeadReckoni
       step = from.gauge_from_left.Inverse() * to.gauge_from_left;
       frame.step_covariance = Growth(from, to, motion.agreement);
       const Eigen::Vector3d slipped = filter.burst_slip * step.Inverse().translation;
-      frame.step_covariance.topLeftCorner<3, 3>() += slip_share * slipped * slipped.transpose();
+      const double chance = std::ranges::binary_search(unlike, i) ? 1.0 : slip_share;
+      frame.step_covariance.topLeftCorner<3, 3>() += chance * slipped * slipped.transpose();
       frame.source = PoseSource::kOdometry;
       frame.stands_still = false;
       frame.bridged = true;
@@ -124,6 +140,10 @@ Odometry BridgeGaps(const Dataset& dataset, Odometry odometry, const DeadReckoni
   const auto bridged = std::ranges::count(odometry, true, &OdometryFrame::bridged);
   if (bridged > 0) {
     spdlog::warn("{} frames are posed by wheels and gyro: the images lost their way", bridged);
+  }
+  if (!unlike.empty()) {
+    spdlog::warn("on the way to {} of them the wheels turn unlike each other: they slip",
+                 unlike.size());
   }
   return odometry;
 }

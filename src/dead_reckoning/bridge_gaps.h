@@ -14,9 +14,10 @@ namespace rigmap {
 // (OdometryFrame::bridged), each with the covariance by which it grew in between, and later frames
 // follow. How well images bear the sensors out on the other steps scales that covariance; where
 // they show the wheels to slip on a share of these, the wheels may slip as often where no image
-// tells. Everything else stays. The odometry as it is where the rover has no wheels or gyro that
-// can be used, these have a gap there, or they contradict more than half of the steps by slip or a
-// fifth otherwise: then their radius or the IMU's axes are not those of this rover.
+// tells; where the six turn unlike each other there, they do. Everything else stays. The odometry
+// as it is where the rover has no wheels or gyro that can be used, these have a gap there, or they
+// contradict more than half of the steps by slip or a fifth otherwise: then their radius or the
+// IMU's axes are not those of this rover.
 Odometry BridgeGaps(const Dataset& dataset, Odometry odometry, const DeadReckoningOptions& options,
                     const FilterOptions& filter);
 
