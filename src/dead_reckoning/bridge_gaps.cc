@@ -118,8 +118,8 @@ Odometry BridgeGaps(const Dataset& dataset, Odometry odometry, const DeadReckoni
   // In order, so that what hangs on a frame follows it.
   const Odometry before = odometry;
   const std::vector<bool> by_sensors = BySensors(before, lost, motion);
-  const std::vector<int> unlike =
-      FramesOfUnlikeWheels(dataset, motion, CheckedByImages(before, motion), by_sensors);
+  const std::vector<int> unlike = FramesOfUnlikeWheels(
+      dataset, motion, CheckedByImages(before, motion), by_sensors, options.wheel_radius_m);
   for (int i = 1; i < static_cast<int>(before.size()); ++i) {
     OdometryFrame& frame = odometry[i];
     if (frame.reference >= i) continue;

@@ -94,10 +94,26 @@ TEST_F(SpoiltImage, AtTheStartIsGuessedFromWhatComesAfter) {
   EXPECT_THAT(second, HasSubstr(",0,0,0,0,0,0,adjusted,1"));
 }
 
+// Nothing comes after it that would hold a guess.
+TEST_F(SpoiltImage, AtTheEndIsPosedByTheOtherEyesImage) {
+  WriteTestFile(data_ / "right" / "0007.png", "no image\n");
+  Succeeds(out_);
+  const std::string rows = ReadTextFile(out_ / "trajectory.csv");
+  EXPECT_THAT(rows, EndsWith("odometry,0\n"));
+  const auto poses = ReadTum(out_ / "trajectory.tum"),
+             truth = ReadTum(data_ / "groundtruth_tum.txt");
+  const auto way_m = [](const std::vector<TumPose>& path) {
+    return (path[7].world_from_body.translation - path[0].world_from_body.translation).norm();
+  };
+  EXPECT_NEAR(way_m(poses), way_m(truth), 0.01);
+}
+
 // Two of eight is more guessing than is to be trusted.
 TEST_F(SpoiltImage, AtBothEndsStillGivesEveryFrameAPose) {
   WriteTestFile(data_ / "left" / "0000.png", "no image\n");
-  WriteTestFile(data_ / "right" / "0007.png", "no image\n");
+  for (const char* eye : {"left", "right"}) {
+    WriteTestFile(data_ / eye / "0007.png", "no image\n");
+  }
   const ProgramEnd end = RunRigmap(Arguments(out_));
   EXPECT_EQ(end.exit_code, 3) << end.err;
   EXPECT_THAT(end.LastErrorLine(), HasSubstr("gate predicted is 0.25"));

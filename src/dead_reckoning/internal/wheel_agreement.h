@@ -14,6 +14,6 @@ namespace rigmap {
 // known, and nothing is found there. Frames to which the rover hardly drove are left out.
 std::vector<int> FramesOfUnlikeWheels(const Dataset& dataset, const EstimatedMotion& motion,
                                       const std::vector<bool>& checked,
-                                      const std::vector<bool>& asked);
+                                      const std::vector<bool>& asked, double wheel_radius_m);
 
 }  // namespace rigmap
