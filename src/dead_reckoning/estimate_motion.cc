@@ -7,6 +7,7 @@
 #include <map>
 
 #include "core/error.h"
+#include "dead_reckoning/internal/mean_square.h"
 #include "dead_reckoning/internal/measurements.h"
 
 namespace rigmap {
@@ -36,22 +37,6 @@ void RequireNoGap(const Record& record, const char* file, const Dataset& dataset
       "{:.2f} s, {:.2f} s after the first",
       file, max_gap_s, gap->duration_s, SecondsFrom(begin_ns, gap->begin_ns)));
 }
-
-// A mean square of normalised innovations, drawn to what is expected.
-class MeanSquare {
- public:
-  explicit MeanSquare(int coordinates) : squares_(kAsExpected * coordinates), count_(squares_) {}
-
-  void Add(double sigmas, int coordinates) {
-    squares_ += coordinates * sigmas * sigmas;
-    count_ += coordinates;
-  }
-  double Value() const { return squares_ / count_; }
-
- private:
-  static constexpr double kAsExpected = 2.0;  // steps
-  double squares_, count_;
-};
 
 // Follows the frames of a part from the first to the last.
 class Follower {
