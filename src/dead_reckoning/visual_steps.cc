@@ -1,4 +1,5 @@
 #include "dead_reckoning/estimate_motion.h"
+#include "geometry/adjoint.h"
 
 namespace rigmap {
 
@@ -14,10 +15,7 @@ std::vector<VisualStep> VisualSteps(const Odometry& odometry) {
     }
     // The other way round, with its covariance in the other camera's axes.
     const Rigid3 back = frame_from_reference.Inverse();
-    const Eigen::Matrix3d turn = back.rotation.toRotationMatrix();
-    Matrix6d carry = Matrix6d::Zero();
-    carry.topLeftCorner<3, 3>() = carry.bottomRightCorner<3, 3>() = turn;
-    carry.topRightCorner<3, 3>() = Skew(back.translation) * turn;
+    const Matrix6d carry = Adjoint(back);
     steps.push_back({i, frame.reference, back, carry * frame.step_covariance * carry.transpose()});
   }
   return steps;

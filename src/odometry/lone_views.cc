@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "correspondence/sightings.h"
+#include "geometry/adjoint.h"
 #include "trajectory/lost_frames.h"
 
 namespace rigmap {
@@ -19,17 +20,8 @@ struct Motion {
   int inliers = 0;
 };
 
-// How a perturbation on the left of a motion shows on the left of `motion` times it.
-Matrix6d CarriedBy(const Rigid3& motion) {
-  const Eigen::Matrix3d turn = motion.rotation.toRotationMatrix();
-  Matrix6d carry = Matrix6d::Zero();
-  carry.topLeftCorner<3, 3>() = carry.bottomRightCorner<3, 3>() = turn;
-  carry.topRightCorner<3, 3>() = Skew(motion.translation) * turn;
-  return carry;
-}
-
 Motion Carried(const Rigid3& motion, const Motion& before) {
-  const Matrix6d carry = CarriedBy(motion);
+  const Matrix6d carry = Adjoint(motion);
   return {motion * before.to_from_from, carry * before.covariance * carry.transpose(),
           before.inliers};
 }

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <deque>
 
+#include "geometry/adjoint.h"
 #include "registration/internal/cloud_alignment.h"
 
 namespace rigmap {
@@ -114,10 +115,7 @@ class Chain {
   // Of source_from_target, the inverse of what was found, as a left perturbation.
   Matrix6d CovarianceInSource(const CloudAlignment& aligned) const {
     const Rigid3 source_from_target = aligned.target_from_source.Inverse();
-    const Eigen::Matrix3d rotation = source_from_target.rotation.toRotationMatrix();
-    Matrix6d adjoint = Matrix6d::Zero();
-    adjoint.topLeftCorner<3, 3>() = adjoint.bottomRightCorner<3, 3>() = rotation;
-    adjoint.topRightCorner<3, 3>() = Skew(source_from_target.translation) * rotation;
+    const Matrix6d adjoint = Adjoint(source_from_target);
     return options_.shared_noise * options_.shared_noise * adjoint * aligned.covariance *
            adjoint.transpose();
   }

@@ -4,6 +4,7 @@
 
 #include <numbers>
 
+#include "geometry/adjoint.h"
 #include "tests/support/seeded_random.h"
 
 namespace rigmap {
@@ -40,6 +41,19 @@ TEST(Rigid3, LongChainsStayUnitQuaternions) {
   Rigid3 chain;
   for (int i = 0; i < 10000; ++i) chain = chain * random.Motion(0.1);
   EXPECT_NEAR(chain.rotation.norm(), 1.0, 1e-14);
+}
+
+TEST(Adjoint, CarriesAPerturbationFromBehindAMotionBeforeIt) {
+  SeededRandom random;
+  const auto perturbed = [](const Eigen::Matrix<double, 6, 1>& by) {
+    return Rigid3{ExpRotation(by.tail<3>()), by.head<3>()};
+  };
+  for (int trial = 0; trial < kTrials; ++trial) {
+    const Rigid3 motion = random.Motion(1.0);
+    Eigen::Matrix<double, 6, 1> by;
+    for (double& value : by) value = random.Uniform(-1e-5, 1e-5);
+    EXPECT_LT(Difference(perturbed(Adjoint(motion) * by) * motion, motion * perturbed(by)), 1e-8);
+  }
 }
 
 TEST(Rotation, ExpAndLogAreInverse) {
