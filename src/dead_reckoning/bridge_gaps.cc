@@ -24,25 +24,6 @@ bool HasSensors(const Dataset& dataset) {
          !dataset.inertial.samples.empty();
 }
 
-// Frames that the sensors are to pose, where they can: lost ones, those whose visual motion nothing
-// else bears out, and those that were guessed between one of these and its reference.
-std::vector<bool> BySensors(const Odometry& odometry, const std::vector<int>& lost,
-                            const EstimatedMotion& motion) {
-  std::vector<bool> chosen(odometry.size(), false);
-  for (const int i : lost) chosen[i] = true;
-  for (const int i : motion.misled) {
-    if (odometry[i].reference >= i) continue;
-    chosen[i] = true;
-    for (int k = odometry[i].reference + 1; k < i; ++k) {
-      if (IsPredicted(odometry[k]) && odometry[k].reference < k) chosen[k] = true;
-    }
-  }
-  for (std::size_t i = 0; i < chosen.size(); ++i) {
-    if (!motion.poses[i].is_measured) chosen[i] = false;
-  }
-  return chosen;
-}
-
 // Frames to which images and wheels tell the same way.
 std::vector<bool> CheckedByImages(const Odometry& odometry, const EstimatedMotion& motion) {
   std::vector<bool> checked(odometry.size(), false);
@@ -88,6 +69,43 @@ Matrix6d Growth(const EstimatedPose& before, const EstimatedPose& after,
   return growth;
 }
 
+// Whether the sensors, with the images about it, tell the length of a visual motion at least twice
+// as well as the images alone.
+bool IsKnownBetter(const Odometry& odometry, int i, const EstimatedMotion& motion) {
+  constexpr double kTimes = 2.0;
+  const OdometryFrame& frame = odometry[i];
+  if (frame.source != PoseSource::kOdometry || frame.reference >= i) return false;
+  const EstimatedPose &from = motion.poses[frame.reference], &to = motion.poses[i];
+  if (!from.is_measured || !to.is_measured) return false;
+  const Matrix6d growth = Growth(from, to, motion.agreement);
+  return frame.step_covariance.topLeftCorner<3, 3>().trace() >
+         kTimes * kTimes * growth.topLeftCorner<3, 3>().trace();
+}
+
+// Frames that the sensors are to pose, where they can: lost ones, those whose visual motion nothing
+// else bears out or images tell less well, and those that were guessed between one of these and its
+// reference.
+std::vector<bool> BySensors(const Odometry& odometry, const std::vector<int>& lost,
+                            const EstimatedMotion& motion) {
+  std::vector<bool> chosen(odometry.size(), false);
+  for (const int i : lost) chosen[i] = true;
+  std::vector<int> others = motion.misled;
+  for (std::size_t i = 0; i < odometry.size(); ++i) {
+    if (IsKnownBetter(odometry, static_cast<int>(i), motion)) others.push_back(static_cast<int>(i));
+  }
+  for (const int i : others) {
+    if (odometry[i].reference >= i) continue;
+    chosen[i] = true;
+    for (int k = odometry[i].reference + 1; k < i; ++k) {
+      if (IsPredicted(odometry[k]) && odometry[k].reference < k) chosen[k] = true;
+    }
+  }
+  for (std::size_t i = 0; i < chosen.size(); ++i) {
+    if (!motion.poses[i].is_measured) chosen[i] = false;
+  }
+  return chosen;
+}
+
 }  // namespace
 
 Odometry BridgeGaps(const Dataset& dataset, Odometry odometry, const DeadReckoningOptions& options,
@@ -117,9 +135,15 @@ Odometry BridgeGaps(const Dataset& dataset, Odometry odometry, const DeadReckoni
                motion.agreement.along, motion.agreement.aside, motion.agreement.turn);
   // In order, so that what hangs on a frame follows it.
   const Odometry before = odometry;
-  const std::vector<bool> by_sensors = BySensors(before, lost, motion);
-  const std::vector<int> unlike = FramesOfUnlikeWheels(
-      dataset, motion, CheckedByImages(before, motion), by_sensors, options.wheel_radius_m);
+  std::vector<bool> by_sensors = BySensors(before, lost, motion);
+  const auto [alike, unlike] = AgreementOfWheels(dataset, motion, CheckedByImages(before, motion),
+                                                 by_sensors, options.wheel_radius_m);
+  // Images tell little of a way, but more than wheels that may slip.
+  for (int i = 0; i < static_cast<int>(before.size()); ++i) {
+    if (IsKnownBetter(before, i, motion) && !std::ranges::binary_search(alike, i)) {
+      by_sensors[i] = false;
+    }
+  }
   for (int i = 1; i < static_cast<int>(before.size()); ++i) {
     OdometryFrame& frame = odometry[i];
     if (frame.reference >= i) continue;

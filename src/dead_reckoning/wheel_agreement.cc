@@ -142,9 +142,9 @@ class Model {
 
 }  // namespace
 
-std::vector<int> FramesOfUnlikeWheels(const Dataset& dataset, const EstimatedMotion& motion,
-                                      const std::vector<bool>& checked,
-                                      const std::vector<bool>& asked, double wheel_radius_m) {
+WheelAgreement AgreementOfWheels(const Dataset& dataset, const EstimatedMotion& motion,
+                                 const std::vector<bool>& checked, const std::vector<bool>& asked,
+                                 double wheel_radius_m) {
   constexpr double kMostSigmas = 3.0;
   std::vector<Roll> rolls;
   for (std::size_t i = 1; i < checked.size(); ++i) {
@@ -152,12 +152,13 @@ std::vector<int> FramesOfUnlikeWheels(const Dataset& dataset, const EstimatedMot
     if (const auto roll = RollTo(i, dataset, motion, wheel_radius_m)) rolls.push_back(*roll);
   }
   const Model model(rolls);
-  std::vector<int> found;
+  WheelAgreement found;
   for (std::size_t i = 1; i < asked.size(); ++i) {
     if (!asked[i]) continue;
     const auto roll = RollTo(i, dataset, motion, wheel_radius_m);
-    if (roll && model.Knows(*roll) && model.OffSigmas(*roll) > kMostSigmas)
-      found.push_back(static_cast<int>(i));
+    if (!roll || !model.Knows(*roll)) continue;
+    (model.OffSigmas(*roll) > kMostSigmas ? found.unlike : found.alike)
+        .push_back(static_cast<int>(i));
   }
   return found;
 }

@@ -15,6 +15,9 @@ namespace {
 
 // Some times the fewest inliers that make a motion are enough to be sure of it.
 constexpr int kSureTimes = 3;
+// A motion is known in metres by so many points whose depth the disparity tells to such a share.
+constexpr int kLeastNear = 6;
+constexpr double kNear = 0.1;
 
 // A frame with what is needed to pose others against it.
 struct Reference {
@@ -30,6 +33,7 @@ struct Found {
   Matrix6d covariance = Matrix6d::Zero();
   int inliers = 0;
   double median_shift_px = 0.0;  // of the inliers' left pixels
+  double metres_sigma = 0.0;     // as a share of its length, beyond its covariance
 };
 
 Reference MakeReference(int frame, FrameFeatures features, const StereoRig& rig,
@@ -53,6 +57,19 @@ double MedianShift(const Reference& reference, const FrameFeatures& current,
   return Median(std::move(shifts));
 }
 
+// A disparity that is off by its noise in all points alike, by the calibration, falsifies a motion
+// by as much as their depths. Of points that are far this is more than all else.
+double MetresSigma(const Reference& reference, const std::vector<FeatureMatch>& matches) {
+  std::vector<double> shares;
+  for (const FeatureMatch& match : matches) {
+    if (const auto& point = reference.points[match.a]) {
+      shares.push_back(point->depth_sigma_m / point->x_in_left.norm());
+    }
+  }
+  const auto near = std::ranges::count_if(shares, [](double share) { return share <= kNear; });
+  return near >= kLeastNear || shares.empty() ? 0.0 : Median(std::move(shares));
+}
+
 std::optional<Found> Solve(const Reference& reference, const FrameFeatures& current,
                            const std::vector<FeatureMatch>& matches, const StereoRig& rig,
                            const Rigid3& predicted, const OdometryOptions& options) {
@@ -66,8 +83,9 @@ std::optional<Found> Solve(const Reference& reference, const FrameFeatures& curr
   const std::array<Rigid3, 2> guesses{predicted, Rigid3()};
   const auto pose = EstimateStereoPose(seen.sightings, rig, guesses, pose_options);
   if (!pose) return std::nullopt;
+  const std::vector<FeatureMatch> agreeing = seen.Agreeing(*pose);
   return Found{pose->current_from_reference, pose->covariance, pose->inlier_count,
-               MedianShift(reference, current, seen.Agreeing(*pose))};
+               MedianShift(reference, current, agreeing), MetresSigma(reference, agreeing)};
 }
 
 // By descriptors near the prediction first; everywhere when that finds too few to be sure of.
@@ -121,6 +139,8 @@ void SetPose(const Found& found, int reference, const Rigid3& world_from_referen
   frame.inliers = found.inliers;
   frame.step_covariance = options.shared_noise * options.shared_noise * found.covariance;
   frame.stands_still = StandsStill(found, options);
+  const Eigen::Vector3d unsure = found.metres_sigma * found.current_from_reference.translation;
+  frame.step_covariance.topLeftCorner<3, 3>() += unsure * unsure.transpose();
   // It may creep: what is taken for none counts.
   if (frame.stands_still) frame.step_covariance += MotionOf(found) * MotionOf(found).transpose();
   const Rigid3 motion = frame.stands_still ? Rigid3() : found.current_from_reference;

@@ -129,6 +129,19 @@ TEST_F(BridgeGapsTest, AMotionThatNothingBearsOutIsTheSensors) {
   EXPECT_LT(OffAtEnd(bridged, rover_), 0.04);
 }
 
+// Frames 12 to 15 saw far hills only, which tell the turn but hardly the way.
+TEST_F(BridgeGapsTest, AWayThatImagesHardlyTellIsTheSensors) {
+  Odometry odometry = LostOnTheWay(rover_);
+  for (const int i : {12, 13, 14, 15}) {
+    odometry[i].source = PoseSource::kOdometry;
+    odometry[i].step_covariance.diagonal().head<3>().setConstant(0.2 * 0.2);
+  }
+  const Odometry bridged = BridgeGaps(rover_.dataset, odometry, WithoutSlip(), {});
+  EXPECT_THAT(Bridged(bridged), ElementsAre(12, 13, 14, 15));
+  EXPECT_LT(OffAtEnd(bridged, rover_), 0.04);
+  EXPECT_GT(OffAtEnd(odometry, rover_), 0.2);
+}
+
 TEST_F(BridgeGapsTest, WhatSensorsAgreeOnIsKnownBetter) {
   // Images that scatter against the sensors by what these may err, and by none of it.
   const auto bridged_variance = [&](double scatter_m) {

@@ -320,5 +320,18 @@ TEST(TrackFrames, FewAndEmptyFrames) {
   }
 }
 
+// Of points so far that a disparity off in all alike falsifies their depths by more than a tenth.
+TEST(TrackFrames, AWayAlongFarPointsIsKnownAsTheirDepthsAre) {
+  const SyntheticRover rover = MakeSyntheticRover({.pixel_sigma = kPixelSigma});
+  const auto share_of_way = [&](double disparity_noise_px) {
+    const Odometry odometry = Track(rover, {.disparity_noise_px = disparity_noise_px});
+    const Eigen::Vector3d way = OdometricStep(odometry, 1, 0).translation;
+    return std::sqrt(way.dot(odometry[1].step_covariance.topLeftCorner<3, 3>() * way)) /
+           way.squaredNorm();
+  };
+  EXPECT_LT(share_of_way(0.15), 0.03);
+  EXPECT_GT(share_of_way(20.0), 0.1);
+}
+
 }  // namespace
 }  // namespace rigmap

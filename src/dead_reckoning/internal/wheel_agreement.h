@@ -8,12 +8,17 @@
 
 namespace rigmap {
 
-// Frames of which `asked` is set and to which the six wheels turned by shares of their mean that
-// frames of which `checked` is set do not bear out: they slip, each in its own way. A wheel's share
-// depends on the curve; what it would be in a curve that no checked frame was driven in is not
-// known, and nothing is found there. Frames to which the rover hardly drove are left out.
-std::vector<int> FramesOfUnlikeWheels(const Dataset& dataset, const EstimatedMotion& motion,
-                                      const std::vector<bool>& checked,
-                                      const std::vector<bool>& asked, double wheel_radius_m);
+// Frames that were asked about, rising.
+struct WheelAgreement {
+  std::vector<int> alike, unlike;
+};
+
+// Whether the six wheels turned to frames of which `asked` is set by shares of their mean that
+// frames of which `checked` is set bear out; where not, they slip, each in its own way. A wheel's
+// share depends on the curve; what it would be in a curve that no checked frame was driven in is
+// not known, and such frames are in neither list, nor are those to which the rover hardly drove.
+WheelAgreement AgreementOfWheels(const Dataset& dataset, const EstimatedMotion& motion,
+                                 const std::vector<bool>& checked, const std::vector<bool>& asked,
+                                 double wheel_radius_m);
 
 }  // namespace rigmap
