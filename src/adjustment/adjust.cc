@@ -114,7 +114,8 @@ class Adjuster {
     // More is freed only once what is free has roughly settled: until then it may make up for the
     // rest.
     constexpr double kRoughlySettled = 0.5, kSettled = 0.1;  // what is left counts in the sigmas
-    const CalibrationPrior prior = Widened(prior_, correction_, solution->equations, options_);
+    const CalibrationPrior prior =
+        AsGoodAsFound(prior_, correction_, solution->equations, options_);
     if (MoveRig(kRoughlySettled, *solution, prior)) return true;
     refined_ = NextRefinement(refined_, correction_, solution->equations, prior, options_);
     return MoveRig(kSettled, *solution, prior);
@@ -208,7 +209,8 @@ class Adjuster {
   // Where the images are not asked, the prior counts.
   CalibrationMatrix ErrorOfCalibration(const CameraSystemResult& system) const {
     if (!system.calibration) return prior_.information.inverse();
-    const CalibrationPrior prior = Widened(prior_, correction_, *system.calibration, options_);
+    const CalibrationPrior prior =
+        AsGoodAsFound(prior_, correction_, *system.calibration, options_);
     spdlog::info("rig file taken to be {:.2f} times as far off as expected",
                  prior.sigmas(kLogFocal) / prior_.sigmas(kLogFocal));
     return CalibrationError(refined_, correction_, *system.calibration, prior, options_);

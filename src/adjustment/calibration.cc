@@ -109,9 +109,10 @@ double Inflation(const CalibrationEquations& equations, const AdjustmentOptions&
          options.shared_noise;
 }
 
-CalibrationPrior Widened(const CalibrationPrior& prior, const CalibrationVector& now,
-                         const CalibrationEquations& equations, const AdjustmentOptions& options) {
-  constexpr double kFreedom = 5.0;
+CalibrationPrior AsGoodAsFound(const CalibrationPrior& prior, const CalibrationVector& now,
+                               const CalibrationEquations& equations,
+                               const AdjustmentOptions& options) {
+  constexpr double kFreedomOfWorse = 5.0, kFreedomOfBetter = 15.0;
   constexpr int kIterations = 20;
   const double inflation = Inflation(equations, options);
   const CalibrationVector freed = FreedBy(RigRefinement::kAllButFocal);
@@ -126,10 +127,11 @@ CalibrationPrior Widened(const CalibrationPrior& prior, const CalibrationVector&
     const CalibrationVector found = system.Solution();
     const double told =
         freed.sum() - (marginal / times * system.matrix.inverse()).trace();  // parameters
-    const double better =
-        (kFreedom + found.dot(marginal * found)) / (kFreedom + std::max(0.0, told));
+    const double squares = found.dot(marginal * found);
+    const double freedom = squares > told ? kFreedomOfWorse : kFreedomOfBetter;
+    const double better = (freedom + squares) / (freedom + std::max(0.0, told));
     if (!std::isfinite(better)) return prior;
-    times = std::max(1.0, better);
+    times = better;
   }
   return {prior.sigmas * std::sqrt(times), prior.information / times};
 }

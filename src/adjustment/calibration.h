@@ -50,13 +50,15 @@ double LargestShiftPx(const StereoRig& from, const StereoRig& to);
 double LargestShiftSigmas(const StereoRig& from, const StereoRig& to,
                           const CalibrationPrior& prior);
 
-// The prior of a rig file that may be worse than files usually are. How much is told by what the
-// images find of it, all but the common focal length: the factor on the prior's covariance that
-// makes it most probable (MacKay 1992), never less than one, where the quality of files is known
-// only as five parameters would tell it (inverse chi-square). A file off in what can be seen is
-// taken to be off in what cannot.
-CalibrationPrior Widened(const CalibrationPrior& prior, const CalibrationVector& now,
-                         const CalibrationEquations& equations, const AdjustmentOptions& options);
+// The prior of a rig file that may be worse or better than files usually are. How much is told by
+// what the images find of it, all but the common focal length: the factor on the prior's covariance
+// that makes it most probable (MacKay 1992), where the quality of files is known only as five
+// parameters would tell it (inverse chi-square); as fifteen where the file seems better, since to
+// believe that wrongly costs more. A file off in what can be seen is taken to be off in what
+// cannot.
+CalibrationPrior AsGoodAsFound(const CalibrationPrior& prior, const CalibrationVector& now,
+                               const CalibrationEquations& equations,
+                               const AdjustmentOptions& options);
 
 // A correction with what the part and the prior together leave unknown of it.
 struct ProbableCorrection {

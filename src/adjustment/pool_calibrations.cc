@@ -43,7 +43,7 @@ std::optional<Estimate> EstimateOf(const std::vector<CalibrationWitness>& parts,
   CalibrationPrior prior;
   for (bool settled = false; !settled;) {
     const CalibrationEquations equations = EquationsAt(correction, parts, left_out);
-    prior = Widened(usual, correction, equations, counted);
+    prior = AsGoodAsFound(usual, correction, equations, counted);
     const RigRefinement next =
         NextRefinement(estimate.refined, correction, equations, prior, counted);
     settled = next == estimate.refined || counted.refine_rig != RigRefinement::kAuto;
