@@ -194,10 +194,12 @@ std::string Table(const Pool& pool, const PooledCalibration& calibration) {
       return DisparityAtInfinity(Corrected(pool.base, correction.correction)) -
              DisparityAtInfinity(pool.base);
     };
-    table +=
-        fmt::format("{:32} {:>+12.3f} {:>+12.3f} {:>12.2f}\n", pool.parts[i].name,
-                    infinity_px(part.alone), infinity_px(part.others), part.square_per_parameter);
+    table += fmt::format("{:32} {:>+12.3f} ", pool.parts[i].name, infinity_px(part.alone));
+    table += pool.parts.size() > 1 ? fmt::format("{:>+12.3f} {:>12.2f}\n", infinity_px(part.others),
+                                                 part.square_per_parameter)
+                                   : fmt::format("{:>12} {:>12}\n", "-", "-");
   }
+  if (pool.parts.size() == 1) return table;
   return table +
          "difference: square per parameter between the part and all others, in units of what both "
          "leave unknown; the same rig has about 1\n";
@@ -215,7 +217,27 @@ void WarnOfContradictions(const Pool& pool, const PooledCalibration& calibration
   }
 }
 
+// Only a rig file may be replaced.
+void RequireRigOut(const std::filesystem::path& path) {
+  const std::filesystem::path folder = std::filesystem::absolute(path).parent_path();
+  if (!std::filesystem::is_directory(folder)) {
+    throw DataError(fmt::format("{}: expected a folder for {}, found none", folder.string(),
+                                path.filename().string()));
+  }
+  if (!std::filesystem::exists(path)) return;
+  if (std::filesystem::is_directory(path)) {
+    throw DataError(fmt::format("{}: expected a file to write to, found a folder", path.string()));
+  }
+  try {
+    ReadRigFile(path);
+  } catch (const DataError&) {
+    throw DataError(fmt::format("{}: expected a rig file to replace or none, found something else",
+                                path.string()));
+  }
+}
+
 std::string CalibrateNow(const CalibrateRequest& request) {
+  RequireRigOut(request.rig_out);
   const Pool pool = ReadPool(request.outs);
   const AdjustmentOptions options;
   const auto calibration =

@@ -30,10 +30,8 @@ void RequireMatch(const nlohmann::ordered_json& metrics, const std::filesystem::
   }
   if (metrics["frames"] < kMinMatches && coverage > 0.0) return;
   throw DataError(fmt::format(
-      "{}: expected poses within {} s of the result's, found {} in the time of its {} poses of "
-      "which {:.0f} % match",
-      truth.string(), options.max_dt_s, metrics["gt_frames"].get<int>(),
-      metrics["frames"].get<int>(), 100.0 * coverage));
+      "{}: expected poses within {} s of the {} of the result, found such for {:.0f} % of them",
+      truth.string(), options.max_dt_s, metrics["frames"].get<int>(), 100.0 * coverage));
 }
 
 bool IsJoined(const std::filesystem::path& out) {
@@ -62,6 +60,10 @@ std::vector<std::filesystem::path> StepFiles(const std::filesystem::path& out) {
 
 nlohmann::ordered_json Metrics(const EvaluateRequest& request) {
   if (request.truth) {
+    if (!std::filesystem::exists(request.out / "trajectory.tum")) {
+      throw DataError(fmt::format("{}: expected the results of a run, found no trajectory.tum",
+                                  request.out.string()));
+    }
     const auto config = request.out / "config.yaml";
     const PartOptions options =
         std::filesystem::exists(config) ? LoadPartOptions(config, {}) : PartOptions();
@@ -126,7 +128,10 @@ std::filesystem::path TruthFile(const std::filesystem::path& truth) {
                                   truth.string(), entry.path().filename().string()));
     }
   }
-  throw DataError(fmt::format("{}: expected trajectory.tum in it, found none", truth.string()));
+  throw DataError(
+      fmt::format("{}: expected trajectory.tum, groundtruth_tum.txt or groundtruth_xy.txt in it, "
+                  "found none",
+                  truth.string()));
 }
 
 std::filesystem::path WholeTruth(const std::filesystem::path& truth) {

@@ -92,6 +92,7 @@ PartResult JoinParts(const JoinRequest& request) {
   const PartRequest& whole = request.whole;
   RequireRtkFor(request);
   std::vector<PartFolder> folders = NameParts(request.outs);
+  RequirePartsElsewhere(whole.out, request.outs);
   UnionOfParts united = UniteParts(folders, whole.out);
   if (request.use_rtk) {
     const StereoRig& rig = united.dataset.rig;

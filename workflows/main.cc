@@ -150,6 +150,11 @@ class SmallCommands {
   CLI::App* manual_ = nullptr;
 };
 
+bool HasCommand(const CLI::App& app, const std::string& name) {
+  return std::ranges::any_of(app.get_subcommands([](const CLI::App*) { return true; }),
+                             [&](const CLI::App* command) { return command->get_name() == name; });
+}
+
 int Main(int argc, char** argv) {
   CLI::App app("Metric trajectories and maps from stereo rovers", "rigmap");
   app.set_version_flag("--version", std::string(SourceVersion()));
@@ -169,6 +174,9 @@ int Main(int argc, char** argv) {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
+    if (argc > 1 && argv[1][0] != '-' && !HasCommand(app, argv[1])) {
+      throw UsageError(fmt::format("{}: no such command (--help lists what there is)", argv[1]));
+    }
     throw UsageError(fmt::format("{} (--help lists what there is)", error.what()));
   }
   std::string command;

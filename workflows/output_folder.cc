@@ -156,6 +156,16 @@ void RequireTraverseOutput(const fs::path& root) {
   RequireOwnOutput(root, {}, false);
 }
 
+void RequirePartsElsewhere(const fs::path& root, const std::vector<fs::path>& parts) {
+  for (const fs::path& part : parts) {
+    const bool is_held = LiesIn(part, root) && !LiesIn(part, root / kTraverseNames[0]);
+    if (!is_held && !LiesIn(root, part)) continue;
+    throw DataError(
+        fmt::format("{}: expected an output folder apart from the parts, found {} in {}",
+                    root.string(), is_held ? part.string() : "it", is_held ? "it" : part.string()));
+  }
+}
+
 void RequireOwnOutput(const fs::path& root, const FolderMark& mark, bool force) {
   std::error_code ignored;
   if (!fs::exists(root, ignored)) return;

@@ -38,6 +38,11 @@ class OutputLock {
 // neither bears rigmap's mark nor holds parts.
 void RequireTraverseOutput(const std::filesystem::path& root);
 
+// Throws DataError if the folder is that of one of the parts, lies in one, or holds one elsewhere
+// than a traverse does.
+void RequirePartsElsewhere(const std::filesystem::path& root,
+                           const std::vector<std::filesystem::path>& parts);
+
 // Throws DataError if one of the dataset's files lies in the folder, or the folder among its
 // images.
 void RequireInputElsewhere(const std::filesystem::path& root, const Dataset& dataset);

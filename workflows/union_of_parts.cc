@@ -94,7 +94,8 @@ struct PartFrame {
 // Puts the parts together frame by frame.
 class Uniter {
  public:
-  Uniter(const std::vector<OpenedPart>& parts, const fs::path& out) : parts_(parts), out_(out) {
+  Uniter(const std::vector<OpenedPart>& parts, const fs::path& out)
+      : parts_(parts), out_(fs::absolute(out)) {
     for (int p = 0; p < static_cast<int>(parts.size()); ++p) {
       for (int i = 0; i < std::ssize(parts[p].Stereo()); ++i) frames_.push_back({p, i});
     }

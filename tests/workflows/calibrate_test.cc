@@ -158,6 +158,21 @@ TEST_F(CalibrateTest, RefusesWhatCountsTwiceOrIsOfAnotherRig) {
 
 // The file that both halves of a drive tell gives each what the other one told, wherever its images
 // lie, and all to a third.
+TEST(RigOut, ReplacesNothingButARigFile) {
+  const TemporaryFolder folder;
+  const fs::path data = WriteTestFile(folder.Path() / "times.txt", "1 2 3\n");
+  const auto refusal = [&](const fs::path& rig_out) {
+    return MessageOf<DataError>([&] { Calibrate({{folder.Path() / "part"}, rig_out}); });
+  };
+  EXPECT_THAT(refusal(data), HasSubstr("expected a rig file to replace or none"));
+  EXPECT_EQ(ReadTextFile(data), "1 2 3\n");
+  EXPECT_THAT(refusal(folder.Path()), HasSubstr("expected a file to write to, found a folder"));
+  EXPECT_THAT(refusal(folder.Path() / "none" / "rig.yaml"), HasSubstr("expected a folder for"));
+  EXPECT_FALSE(fs::exists(folder.Path() / "none"));
+  // What is asked of the output is asked first.
+  EXPECT_THAT(refusal(folder.Path() / "rig.yaml"), HasSubstr("part: expected calibration.json"));
+}
+
 TEST(CalibratedParts, TakeThePriorWithoutTheirOwnImages) {
   const TemporaryFolder folder;
   const fs::path data = CopyOfSimulatedPart(folder.Path()), moved = folder.Path() / "moved",

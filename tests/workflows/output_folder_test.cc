@@ -7,6 +7,7 @@
 #include <cstdlib>
 
 #include "core/error.h"
+#include "tests/support/message_of.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/test_file.h"
 #include "tests/workflows/rigmap_program.h"
@@ -198,6 +199,17 @@ TEST_F(OutputFolder, ThatHoldsTheInputIsRefused) {
   const fs::path link = folder_.Path() / "link";
   fs::create_directory_symlink(root_, link);
   EXPECT_THAT(refusal(link), HasSubstr("left/1.png"));
+}
+
+TEST_F(OutputFolder, OfAJoinIsApartFromThePartsButForATraversesOwn) {
+  const auto refusal = [&](const fs::path& out, const fs::path& part) {
+    return MessageOf<DataError>([&] { RequirePartsElsewhere(out, {part}); });
+  };
+  EXPECT_THAT(refusal(root_, root_), HasSubstr("expected an output folder apart from the parts"));
+  EXPECT_THAT(refusal(root_ / "whole", root_), HasSubstr("found it in " + root_.string()));
+  EXPECT_THAT(refusal(root_, root_ / "first"), HasSubstr("found " + (root_ / "first").string()));
+  EXPECT_NO_THROW(RequirePartsElsewhere(root_, {root_ / "parts" / "first"}));
+  EXPECT_NO_THROW(RequirePartsElsewhere(root_, {folder_.Path() / "a" / "out-1"}));
 }
 
 }  // namespace

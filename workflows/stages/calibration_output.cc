@@ -84,13 +84,19 @@ void PublishCalibration(const Dataset& dataset, const DatasetContent& content,
 
 std::optional<PartCalibration> ReadCalibration(const std::filesystem::path& out) {
   const std::filesystem::path path = out / "calibration.json";
+  if (!std::filesystem::exists(path)) {
+    throw DataError(
+        fmt::format("{}: expected calibration.json, which the technique rig writes "
+                    "with its adjustment, found none",
+                    out.string()));
+  }
   const std::string text = ReadTextFile(path);
   try {
     PartCalibration part = ReadPart(Json::parse(text), path);
     return part.equations.stretches.empty() ? std::nullopt : std::optional(std::move(part));
-  } catch (const Json::exception& error) {
-    throw DataError(fmt::format("{}: expected what rigmap part writes there, found {}",
-                                path.string(), error.what()));
+  } catch (const Json::exception&) {
+    throw DataError(fmt::format("{}: expected what rigmap part writes there, found something else",
+                                path.string()));
   }
 }
 
