@@ -5,6 +5,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "core/error.h"
 #include "dead_reckoning/estimate_motion.h"
@@ -82,17 +83,12 @@ bool IsKnownBetter(const Odometry& odometry, int i, const EstimatedMotion& motio
          kTimes * kTimes * growth.topLeftCorner<3, 3>().trace();
 }
 
-// Frames that the sensors are to pose, where they can: lost ones, those whose visual motion nothing
-// else bears out or images tell less well, and those that were guessed between one of these and its
-// reference.
+// Frames that the sensors are to pose, where they can: lost ones, those of `others`, and those that
+// were guessed between one of these and its reference.
 std::vector<bool> BySensors(const Odometry& odometry, const std::vector<int>& lost,
-                            const EstimatedMotion& motion) {
+                            const std::vector<int>& others, const EstimatedMotion& motion) {
   std::vector<bool> chosen(odometry.size(), false);
   for (const int i : lost) chosen[i] = true;
-  std::vector<int> others = motion.misled;
-  for (std::size_t i = 0; i < odometry.size(); ++i) {
-    if (IsKnownBetter(odometry, static_cast<int>(i), motion)) others.push_back(static_cast<int>(i));
-  }
   for (const int i : others) {
     if (odometry[i].reference >= i) continue;
     chosen[i] = true;
@@ -104,6 +100,32 @@ std::vector<bool> BySensors(const Odometry& odometry, const std::vector<int>& lo
     if (!motion.poses[i].is_measured) chosen[i] = false;
   }
   return chosen;
+}
+
+// What the sensors are to pose, and of that the frames on the way to which the wheels slip.
+struct Choice {
+  std::vector<bool> by_sensors;
+  std::vector<int> slipping;
+};
+
+// Those lost, those whose visual motion nothing else bears out, and those of which images tell
+// little and wheels that roll alike tell more: of wheels that may slip images tell more yet.
+Choice Choose(const Dataset& dataset, const Odometry& odometry, const std::vector<int>& lost,
+              const EstimatedMotion& motion, double wheel_radius_m) {
+  std::vector<int> better;
+  for (int i = 0; i < static_cast<int>(odometry.size()); ++i) {
+    if (IsKnownBetter(odometry, i, motion)) better.push_back(i);
+  }
+  std::vector<bool> asked = BySensors(odometry, lost, motion.misled, motion);
+  for (const int i : better) asked[i] = true;
+  const WheelAgreement wheels =
+      AgreementOfWheels(dataset, motion, CheckedByImages(odometry, motion), asked, wheel_radius_m);
+  std::vector<int> others = motion.misled;
+  std::ranges::set_intersection(better, wheels.alike, std::back_inserter(others));
+  Choice choice{BySensors(odometry, lost, others, motion), {}};
+  std::ranges::copy_if(wheels.unlike, std::back_inserter(choice.slipping),
+                       [&](int i) { return choice.by_sensors[i]; });
+  return choice;
 }
 
 }  // namespace
@@ -135,25 +157,17 @@ Odometry BridgeGaps(const Dataset& dataset, Odometry odometry, const DeadReckoni
                motion.agreement.along, motion.agreement.aside, motion.agreement.turn);
   // In order, so that what hangs on a frame follows it.
   const Odometry before = odometry;
-  std::vector<bool> by_sensors = BySensors(before, lost, motion);
-  const auto [alike, unlike] = AgreementOfWheels(dataset, motion, CheckedByImages(before, motion),
-                                                 by_sensors, options.wheel_radius_m);
-  // Images tell little of a way, but more than wheels that may slip.
-  for (int i = 0; i < static_cast<int>(before.size()); ++i) {
-    if (IsKnownBetter(before, i, motion) && !std::ranges::binary_search(alike, i)) {
-      by_sensors[i] = false;
-    }
-  }
+  const Choice choice = Choose(dataset, before, lost, motion, options.wheel_radius_m);
   for (int i = 1; i < static_cast<int>(before.size()); ++i) {
     OdometryFrame& frame = odometry[i];
     if (frame.reference >= i) continue;
     Rigid3 step = OdometricStep(before, frame.reference, i);
-    if (by_sensors[i]) {
+    if (choice.by_sensors[i]) {
       const EstimatedPose &from = motion.poses[frame.reference], &to = motion.poses[i];
       step = from.gauge_from_left.Inverse() * to.gauge_from_left;
       frame.step_covariance = Growth(from, to, motion.agreement);
       const Eigen::Vector3d slipped = filter.burst_slip * step.Inverse().translation;
-      const double chance = std::ranges::binary_search(unlike, i) ? 1.0 : slip_share;
+      const double chance = std::ranges::binary_search(choice.slipping, i) ? 1.0 : slip_share;
       frame.step_covariance.topLeftCorner<3, 3>() += chance * slipped * slipped.transpose();
       frame.source = PoseSource::kOdometry;
       frame.stands_still = false;
@@ -165,9 +179,9 @@ Odometry BridgeGaps(const Dataset& dataset, Odometry odometry, const DeadReckoni
   if (bridged > 0) {
     spdlog::warn("{} frames are posed by wheels and gyro: the images lost their way", bridged);
   }
-  if (!unlike.empty()) {
+  if (!choice.slipping.empty()) {
     spdlog::warn("on the way to {} of them the wheels turn unlike each other: they slip",
-                 unlike.size());
+                 choice.slipping.size());
   }
   return odometry;
 }
