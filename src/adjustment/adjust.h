@@ -20,6 +20,9 @@ struct AdjustmentInput {
   // To start from: which parameters of the rig are corrected, and how far.
   RigRefinement refined = RigRefinement::kNone;
   CalibrationVector correction = CalibrationVector::Zero();
+  // Frames, rising, from which on no point ties frames to those before them: they lie to each other
+  // as their starting poses say.
+  std::vector<int> apart;
 };
 
 // In rounds: triangulates all tracks on the poses as they stand, adjusts poses and points together

@@ -112,7 +112,7 @@ double Inflation(const CalibrationEquations& equations, const AdjustmentOptions&
 CalibrationPrior AsGoodAsFound(const CalibrationPrior& prior, const CalibrationVector& now,
                                const CalibrationEquations& equations,
                                const AdjustmentOptions& options) {
-  constexpr double kFreedomOfWorse = 5.0, kFreedomOfBetter = 15.0;
+  constexpr double kFreedom = 5.0;
   constexpr int kIterations = 20;
   const double inflation = Inflation(equations, options);
   const CalibrationVector freed = FreedBy(RigRefinement::kAllButFocal);
@@ -128,8 +128,7 @@ CalibrationPrior AsGoodAsFound(const CalibrationPrior& prior, const CalibrationV
     const double told =
         freed.sum() - (marginal / times * system.matrix.inverse()).trace();  // parameters
     const double squares = found.dot(marginal * found);
-    const double freedom = squares > told ? kFreedomOfWorse : kFreedomOfBetter;
-    const double better = (freedom + squares) / (freedom + std::max(0.0, told));
+    const double better = (kFreedom + squares) / (kFreedom + std::max(0.0, told));
     if (!std::isfinite(better)) return prior;
     times = better;
   }

@@ -53,9 +53,8 @@ double LargestShiftSigmas(const StereoRig& from, const StereoRig& to,
 // The prior of a rig file that may be worse or better than files usually are. How much is told by
 // what the images find of it, all but the common focal length: the factor on the prior's covariance
 // that makes it most probable (MacKay 1992), where the quality of files is known only as five
-// parameters would tell it (inverse chi-square); as fifteen where the file seems better, since to
-// believe that wrongly costs more. A file off in what can be seen is taken to be off in what
-// cannot.
+// parameters would tell it (inverse chi-square). A file off in what can be seen is taken to be off
+// in what cannot.
 CalibrationPrior AsGoodAsFound(const CalibrationPrior& prior, const CalibrationVector& now,
                                const CalibrationEquations& equations,
                                const AdjustmentOptions& options);

@@ -102,30 +102,42 @@ std::vector<bool> BySensors(const Odometry& odometry, const std::vector<int>& lo
   return chosen;
 }
 
-// What the sensors are to pose, and of that the frames on the way to which the wheels slip.
+// What the sensors are to pose, and on the way there the chance that the wheels slip.
 struct Choice {
   std::vector<bool> by_sensors;
-  std::vector<int> slipping;
+  std::vector<double> chance_of_slip;
 };
+
+// Certain where the wheels roll unlike each other; where they roll alike, of checked steps the
+// share that slipped all the same; where nothing is known of it, the share that slipped.
+std::vector<double> ChancesOfSlip(const EstimatedMotion& motion, const WheelAgreement& wheels,
+                                  double steps) {
+  const auto share = [&](std::size_t count) { return static_cast<double>(count) / steps; };
+  std::vector<int> alike_slips;
+  std::ranges::set_intersection(motion.slips, wheels.alike, std::back_inserter(alike_slips));
+  std::vector<double> chances(motion.poses.size(), share(motion.slips.size()));
+  for (const int i : wheels.alike) chances[i] = share(alike_slips.size());
+  for (const int i : wheels.unlike) chances[i] = 1.0;
+  return chances;
+}
 
 // Those lost, those whose visual motion nothing else bears out, and those of which images tell
 // little and wheels that roll alike tell more: of wheels that may slip images tell more yet.
 Choice Choose(const Dataset& dataset, const Odometry& odometry, const std::vector<int>& lost,
-              const EstimatedMotion& motion, double wheel_radius_m) {
+              const EstimatedMotion& motion, double steps, double wheel_radius_m) {
   std::vector<int> better;
   for (int i = 0; i < static_cast<int>(odometry.size()); ++i) {
     if (IsKnownBetter(odometry, i, motion)) better.push_back(i);
   }
   std::vector<bool> asked = BySensors(odometry, lost, motion.misled, motion);
-  for (const int i : better) asked[i] = true;
+  for (const auto& more : {better, motion.slips}) {
+    for (const int i : more) asked[i] = true;
+  }
   const WheelAgreement wheels =
       AgreementOfWheels(dataset, motion, CheckedByImages(odometry, motion), asked, wheel_radius_m);
   std::vector<int> others = motion.misled;
   std::ranges::set_intersection(better, wheels.alike, std::back_inserter(others));
-  Choice choice{BySensors(odometry, lost, others, motion), {}};
-  std::ranges::copy_if(wheels.unlike, std::back_inserter(choice.slipping),
-                       [&](int i) { return choice.by_sensors[i]; });
-  return choice;
+  return {BySensors(odometry, lost, others, motion), ChancesOfSlip(motion, wheels, steps)};
 }
 
 }  // namespace
@@ -157,7 +169,7 @@ Odometry BridgeGaps(const Dataset& dataset, Odometry odometry, const DeadReckoni
                motion.agreement.along, motion.agreement.aside, motion.agreement.turn);
   // In order, so that what hangs on a frame follows it.
   const Odometry before = odometry;
-  const Choice choice = Choose(dataset, before, lost, motion, options.wheel_radius_m);
+  const Choice choice = Choose(dataset, before, lost, motion, steps, options.wheel_radius_m);
   for (int i = 1; i < static_cast<int>(before.size()); ++i) {
     OdometryFrame& frame = odometry[i];
     if (frame.reference >= i) continue;
@@ -167,8 +179,8 @@ Odometry BridgeGaps(const Dataset& dataset, Odometry odometry, const DeadReckoni
       step = from.gauge_from_left.Inverse() * to.gauge_from_left;
       frame.step_covariance = Growth(from, to, motion.agreement);
       const Eigen::Vector3d slipped = filter.burst_slip * step.Inverse().translation;
-      const double chance = std::ranges::binary_search(choice.slipping, i) ? 1.0 : slip_share;
-      frame.step_covariance.topLeftCorner<3, 3>() += chance * slipped * slipped.transpose();
+      frame.step_covariance.topLeftCorner<3, 3>() +=
+          choice.chance_of_slip[i] * slipped * slipped.transpose();
       frame.source = PoseSource::kOdometry;
       frame.stands_still = false;
       frame.bridged = true;
@@ -179,9 +191,11 @@ Odometry BridgeGaps(const Dataset& dataset, Odometry odometry, const DeadReckoni
   if (bridged > 0) {
     spdlog::warn("{} frames are posed by wheels and gyro: the images lost their way", bridged);
   }
-  if (!choice.slipping.empty()) {
-    spdlog::warn("on the way to {} of them the wheels turn unlike each other: they slip",
-                 choice.slipping.size());
+  const auto slipping = std::ranges::count_if(odometry, [&](const OdometryFrame& frame) {
+    return frame.bridged && choice.chance_of_slip[&frame - odometry.data()] == 1.0;
+  });
+  if (slipping > 0) {
+    spdlog::warn("on the way to {} of them the wheels turn unlike each other: they slip", slipping);
   }
   return odometry;
 }

@@ -4,6 +4,7 @@
 #include <Eigen/LU>
 #include <limits>
 
+#include "trajectory/internal/carried_covariance.h"
 #include "trajectory/starting_poses.h"
 
 namespace rigmap {
@@ -19,26 +20,9 @@ struct Uncertain {
 
 Matrix6d Unknown() { return Matrix6d::Constant(std::numeric_limits<double>::quiet_NaN()); }
 
-// How an error of a pose at `from` (translation, rotation about gauge axes) moves another at `to`
-// to which it is rigidly connected: a rotation of the first moves the second by the lever arm.
-Matrix6d CarryMatrix(const Rigid3& from, const Rigid3& to) {
-  Matrix6d carry = Matrix6d::Identity();
-  carry.topRightCorner<3, 3>() = -Skew(to.translation - from.translation);
-  return carry;
-}
-
 Matrix6d Carry(const Uncertain& from, const Rigid3& gauge_from_left) {
   const Matrix6d carry = CarryMatrix(from.gauge_from_left, gauge_from_left);
   return carry * from.covariance * carry.transpose();
-}
-
-// A step's own covariance (left perturbation of left_from_reference, current axes) about gauge
-// axes.
-Matrix6d Turned(const Matrix6d& step_covariance, const Rigid3& gauge_from_left) {
-  Matrix6d turn = Matrix6d::Zero();
-  turn.topLeftCorner<3, 3>() = turn.bottomRightCorner<3, 3>() =
-      gauge_from_left.rotation.toRotationMatrix();
-  return turn * step_covariance * turn.transpose();
 }
 
 // Covariance of the end of a step, from that of its start and the step's own.

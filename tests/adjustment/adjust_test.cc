@@ -216,6 +216,20 @@ TEST_F(AdjustTest, PartsThatShareNothingKeepTheirStartingPositions) {
   EXPECT_LT(ErrorOf(found, truth).norm(), 0.002);  // m, rad
 }
 
+TEST_F(AdjustTest, FramesThatAreToStandApartKeepTheirStartingMotion) {
+  Make({.frames = 8});
+  const std::vector<Rigid3> start = BadOdometry();
+  const Adjustment apart = AdjustBundle({.correspondences = correspondences_,
+                                         .rig = rover_.rig,
+                                         .world_from_left = AllOf(start),
+                                         .apart = {4}},
+                                        {});
+  for (int i = 0; i < 8; ++i) EXPECT_EQ(apart.datum_frames[i], i < 4 ? 0 : 4);
+  EXPECT_LT(ErrorOf(*apart.world_from_left[4], start[4]).norm(), 1e-12);
+  EXPECT_NEAR(apart.outlier_share, Adjust(AllOf(start)).outlier_share, 0.01)
+      << "what was cut is no outlier";
+}
+
 TEST_F(AdjustTest, SigmasAreHonest) {
   // 6 x 30 degrees of freedom: by chance within 0.75 and 1.3.
   constexpr int kTrials = 30;

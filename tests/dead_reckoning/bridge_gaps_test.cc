@@ -182,30 +182,57 @@ TEST_F(BridgeGapsTest, WheelsThatSlipMayAsWellWhereNoImageTells) {
   EXPECT_LT(along(lost), 0.02);
 }
 
-// In the gap the wheels turn half as far again, each in its own way.
-TEST_F(BridgeGapsTest, WheelsThatTurnUnlikeEachOtherSlip) {
-  rover_ = DriveRover(kFrames, [](double) { return Drive{0.2, 0.0}; });
-  const Odometry lost = LostOnTheWay(rover_);
-  const auto along = [&] {
-    const Odometry bridged = BridgeGaps(rover_.dataset, lost, WithoutSlip(), {});
+class WheelsInAGap : public testing::TestWithParam<std::function<Drive(double)>> {
+ protected:
+  // Of the second step of the gap.
+  double Sigma_m() const {
+    const Odometry bridged = BridgeGaps(rover_.dataset, LostOnTheWay(rover_), WithoutSlip(), {});
     EXPECT_THAT(Bridged(bridged), ElementsAre(12, 13, 14, 15));
     return std::sqrt(bridged[13].step_covariance.topLeftCorner<3, 3>().trace());
-  };
-  EXPECT_LT(along(), 0.02);
-  auto& samples = rover_.dataset.wheels.samples;
-  std::array<double, 6> more_rad{}, before = samples.front().drive_angle_rad;
-  for (WheelSample& sample : samples) {
-    const bool is_in_gap = sample.stamp_ns > rover_.dataset.frames[11].stamp_ns &&
-                           sample.stamp_ns <= rover_.dataset.frames[15].stamp_ns;
-    for (std::size_t k = 0; k < 6; ++k) {
-      const double slip = 0.4 + 0.04 * static_cast<double>(k);
-      if (is_in_gap) more_rad[k] += slip * (sample.drive_angle_rad[k] - before[k]);
-      before[k] = sample.drive_angle_rad[k];
-      sample.drive_angle_rad[k] += more_rad[k];
+  }
+
+  // In the gap wheels turn half as far again, each in its own way.
+  void SlipInTheGap() {
+    auto& samples = rover_.dataset.wheels.samples;
+    std::array<double, 6> more_rad{}, before = samples.front().drive_angle_rad;
+    for (WheelSample& sample : samples) {
+      const bool is_in_gap = sample.stamp_ns > rover_.dataset.frames[11].stamp_ns &&
+                             sample.stamp_ns <= rover_.dataset.frames[15].stamp_ns;
+      for (std::size_t k = 0; k < 6; ++k) {
+        const double slip = 0.4 + 0.04 * static_cast<double>(k);
+        if (is_in_gap) more_rad[k] += slip * (sample.drive_angle_rad[k] - before[k]);
+        before[k] = sample.drive_angle_rad[k];
+        sample.drive_angle_rad[k] += more_rad[k];
+      }
     }
   }
-  EXPECT_GT(along(), 0.2) << "all of the way, which is 0.3 m by the wheels";
+
+  DrivenRover rover_ = DriveRover(kFrames, GetParam());
+};
+
+TEST_P(WheelsInAGap, ThatTurnAsTheirSteeringHasThemDoNotSlip) { EXPECT_LT(Sigma_m(), 0.02); }
+
+TEST_P(WheelsInAGap, ThatTurnUnlikeEachOtherSlip) {
+  SlipInTheGap();
+  EXPECT_GT(Sigma_m(), 0.2) << "all of the way, which is 0.3 m by the wheels";
 }
+
+INSTANTIATE_TEST_SUITE_P(OfEveryWay, WheelsInAGap,
+                         testing::Values(
+                             [](double) {
+                               return Drive{0.2, 0.0};
+                             },
+                             Curve,
+                             [](double time_s) {
+                               return Drive{0.2, time_s < 12.5 ? 0.0 : 0.15};
+                             },
+                             [](double time_s) {
+                               return Drive{0.2, time_s < 12.5 ? 0.15 : -0.15};
+                             },
+                             // A curve that is driven in the gap only.
+                             [](double time_s) {
+                               return Drive{0.2, time_s > 11.5 && time_s < 14.5 ? 0.1 : 0.0};
+                             }));
 
 }  // namespace
 }  // namespace rigmap

@@ -1,6 +1,7 @@
 #include "workflows/stages/adjustment.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
@@ -12,6 +13,7 @@
 #include "pipeline/code_identity.h"
 #include "pose_graph/relax_poses.h"
 #include "trajectory/starting_poses.h"
+#include "trajectory/weak_links.h"
 #include "workflows/stages/calibration_output.h"
 #include "workflows/stages/odometry.h"
 #include "workflows/stages/trajectory.h"
@@ -68,14 +70,24 @@ struct Adjuster {
 
   AdjustedPart From(const std::vector<std::optional<Rigid3>>& start, Motions motions,
                     RigRefinement refined, const CalibrationVector& correction) const {
-    const auto starting =
+    auto starting =
         RelaxPoses(StartingPoses(motions.steps, start), motions.steps, motions.loop_closures);
     Adjustment adjustment =
-        AdjustBundle({matches, dataset.rig, starting, refined, correction}, options);
+        AdjustBundle({matches, dataset.rig, starting, refined, correction, {}}, options);
+    const std::vector<int> apart = WeakLinks(motions.steps, adjustment);
+    if (!apart.empty()) {
+      spdlog::warn(
+          "frames {}: the odometry tells the way there better than the points that tie "
+          "them to those before, on which they no longer hang",
+          fmt::join(apart, ", "));
+      starting = RelaxPoses(StartingPoses(motions.steps, {}), motions.steps, {});
+      adjustment =
+          AdjustBundle({matches, dataset.rig, starting, refined, correction, apart}, options);
+    }
     CarryGroupsAlong(starting, adjustment);
     AdjustedPart part = LayInWorld(dataset, motions.steps, std::move(adjustment));
     part.loop_closures = std::move(motions.loop_closures);
-    part.rests_on_mapping = !start.empty();
+    part.rests_on_mapping = !start.empty() && apart.empty();
     return part;
   }
 

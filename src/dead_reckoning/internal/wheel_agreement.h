@@ -13,10 +13,12 @@ struct WheelAgreement {
   std::vector<int> alike, unlike;
 };
 
-// Whether the six wheels turned to frames of which `asked` is set by shares of their mean that
-// frames of which `checked` is set bear out; where not, they slip, each in its own way. A wheel's
-// share depends on the curve; what it would be in a curve that no checked frame was driven in is
-// not known, and such frames are in neither list, nor are those to which the rover hardly drove.
+// Whether the six wheels turned to frames of which `asked` is set as frames of which `checked` is
+// set bear out; where not, they slip, each in its own way. How far a wheel turns, as a share of the
+// middle axle, follows from the way, the turn (by the gyro) and its steering angle; what differs
+// from wheel to wheel (radius, lasting slip, place on the rover) is estimated from the checked
+// frames. Where these leave open how far wheels would turn if none slipped, as in a curve of which
+// no other was driven, or the rover hardly drove, a frame is in neither list.
 WheelAgreement AgreementOfWheels(const Dataset& dataset, const EstimatedMotion& motion,
                                  const std::vector<bool>& checked, const std::vector<bool>& asked,
                                  double wheel_radius_m);
