@@ -13,6 +13,7 @@
 #include "workflows/evaluate_part.h"
 #include "workflows/join_recipe.h"
 #include "workflows/output_folder.h"
+#include "workflows/reconstruct_part.h"
 #include "workflows/run_in_folder.h"
 #include "workflows/stages/compare_result.h"
 #include "workflows/union_of_parts.h"
@@ -48,20 +49,36 @@ std::vector<std::vector<std::string>> WorldsIn(const fs::path& out) {
   return summary.value("worlds", std::vector<std::vector<std::string>>());
 }
 
-// Takes the folders away that are not of the largest world; a sentence for each.
-std::vector<std::string> KeepLargestWorld(const std::vector<std::vector<std::string>>& worlds,
-                                          std::vector<PartFolder>& folders) {
-  std::vector<std::string> missing;
-  std::erase_if(folders, [&](const PartFolder& folder) {
-    if (std::ranges::count(worlds.front(), folder.name)) return false;
-    missing.push_back(
-        fmt::format("part {} could not be tied to part{} {}: it stays by itself in {}", folder.name,
-                    worlds.front().size() > 1 ? "s" : "", fmt::join(worlds.front(), ", "),
-                    folder.root.string()));
-    spdlog::warn("{}", missing.back());
-    return true;
+std::vector<PartFolder> FoldersOf(const std::vector<std::string>& world,
+                                  const std::vector<PartFolder>& folders) {
+  std::vector<PartFolder> of_world;
+  std::ranges::copy_if(folders, std::back_inserter(of_world), [&](const PartFolder& folder) {
+    return std::ranges::count(world, folder.name) > 0;
   });
-  return missing;
+  return of_world;
+}
+
+std::string Named(const std::vector<std::string>& parts) {
+  return fmt::format("part{} {}", parts.size() > 1 ? "s" : "", fmt::join(parts, ", "));
+}
+
+// Does what is left to do of a world beside the largest, by itself, and says where that lies.
+std::string JoinBeside(const std::vector<PartFolder>& folders, const fs::path& out,
+                       const JoinRequest& request) {
+  if (folders.size() == 1) {
+    return fmt::format("it stays by itself in {}", folders.front().root.string());
+  }
+  JoinRequest beside = request;
+  beside.missing.clear();
+  beside.whole.out = out;
+  beside.outs.clear();
+  for (const PartFolder& folder : folders) beside.outs.push_back(folder.root);
+  try {
+    JoinParts(beside);
+  } catch (const std::exception& error) {  // of whatever kind: the largest can be done
+    return fmt::format("they stay by themselves, since joining them failed: {}", ReasonOf(error));
+  }
+  return fmt::format("they are joined by themselves in {}", out.string());
 }
 
 // What is left to do once all has been adjusted as asked: what --from names must not be done again,
@@ -108,14 +125,20 @@ PartResult JoinParts(const JoinRequest& request) {
   PartRequest posed = whole;
   posed.until = "adjustment";
   Run(request, posed, united, mark);
+  const fs::path others = whole.out / kWorldsFolder;
+  fs::remove_all(others);  // of an earlier join
   const auto worlds = WorldsIn(whole.out);
   const PartRequest rest = AfterAdjustment(request, stages);
   if (worlds.size() < 2) return Run(request, rest, std::move(united), mark);
   JoinRequest largest = request;
-  for (std::string& sentence : KeepLargestWorld(worlds, folders)) {
-    largest.missing.push_back(std::move(sentence));
+  largest.whole = rest;
+  for (std::size_t i = 1; i < worlds.size(); ++i) {
+    largest.missing.push_back(fmt::format(
+        "{} could not be tied to {}: {}", Named(worlds[i]), Named(worlds.front()),
+        JoinBeside(FoldersOf(worlds[i], folders), others / fmt::format("{}", i + 1), request)));
+    spdlog::warn("{}", largest.missing.back());
   }
-  return Run(largest, rest, UniteParts(folders, whole.out), mark);
+  return Run(largest, rest, UniteParts(FoldersOf(worlds.front(), folders), whole.out), mark);
 }
 
 }  // namespace rigmap

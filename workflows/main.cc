@@ -17,9 +17,11 @@
 #include "workflows/command_documents.h"
 #include "workflows/evaluate_part.h"
 #include "workflows/join.h"
+#include "workflows/join_recipe.h"
 #include "workflows/part_arguments.h"
 #include "workflows/print_options.h"
 #include "workflows/print_stages.h"
+#include "workflows/recipes.h"
 #include "workflows/reconstruct_part.h"
 #include "workflows/report.h"
 #include "workflows/verdict_lines.h"
@@ -91,7 +93,7 @@ class SmallCommands {
     options_ = app.add_subcommand("options", "Print every option of part with its default");
     options_->add_option("--format", format_, "yaml or markdown");
     stages_ = app.add_subcommand("stages", "Print the stages of a technique as a table");
-    stages_->add_option("--technique", technique_, "rig (default) or another");
+    stages_->add_option("--technique", technique_, "rig (default), another, or join");
     report_ = app.add_subcommand("report", "Write report.html into folders with results");
     report_->add_option("outs", reported_, "Folders of parts, traverses or comparisons")
         ->required();
@@ -125,7 +127,9 @@ class SmallCommands {
       return true;
     }
     if (stages_->parsed()) {
-      fmt::print("{}", PrintStages(ParseTechnique(technique_)));
+      fmt::print("{}", PrintStages(technique_ == "join"
+                                       ? JoinRecipe({}, {}, {}, {}, SplitFixes(), {})
+                                       : MakeRecipe(ParseTechnique(technique_), {}, {}, {})));
       return true;
     }
     return false;

@@ -34,7 +34,7 @@ constexpr const char* kOwnNames[] = {kLockName, kMarkName,     "summary.json", "
 
 // Of a traverse, beside what is made of the whole: what its parts are and were made from. No run on
 // the whole takes them away.
-constexpr const char* kTraverseNames[] = {"parts", "plan.json", "jobs", "rig.yaml"};
+constexpr const char* kTraverseNames[] = {"parts", "plan.json", "jobs", "rig.yaml", kWorldsFolder};
 
 bool IsOfTraverse(const fs::path& name) {
   return std::ranges::count(kTraverseNames, name.string()) > 0;

@@ -11,6 +11,9 @@
 
 namespace rigmap {
 
+// Of a joined traverse: its worlds beside the largest, each in a folder of its own.
+inline constexpr const char* kWorldsFolder = "worlds";
+
 // Whose results a folder holds, kept in it as `.dataset`.
 struct FolderMark {
   std::string frames;       // DatasetContent::FramesKey

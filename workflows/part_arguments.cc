@@ -278,7 +278,7 @@ CompareRequest MakeCompareRequest(const CompareArguments& a, const std::string& 
   request.config = IfGiven<fs::path>(a.part.config);
   request.assignments = a.part.assignments;
   for (const std::string& name : a.techniques) {
-    request.techniques.push_back(ParseTechnique(name));
+    request.techniques.push_back(ParseTechnique(name, "--techniques"));
   }
   if (request.techniques.empty()) {
     for (const char* name : NamesOf(Technique{})) {

@@ -39,7 +39,7 @@ Report Blank() {
       {"scale",
        {{"metres_per_model_unit", nullptr},
         {"relative_spread", nullptr},
-        {"pairs_used", 0},
+        {"pairs_used", nullptr},
         {"pairs_rejected", Report::array()}}},
       {"rig",
        {{"refined", nullptr},

@@ -57,8 +57,7 @@ std::string ReadOptionNames(const StageNode& node) {
 
 }  // namespace
 
-std::string PrintStages(Technique technique) {
-  const StageGraph graph = MakeRecipe(technique, {}, {}, {});
+std::string PrintStages(const StageGraph& graph) {
   std::string table =
       "| stage | takes | reads | makes | publishes |\n"
       "|---|---|---|---|---|\n";

@@ -3,12 +3,12 @@
 
 #include <string>
 
-#include "workflows/recipes.h"
+#include "pipeline/stage_graph.h"
 
 namespace rigmap {
 
 // Markdown: a row for each stage and check, in order, with what it takes, reads, makes and
 // publishes. A view is shown as what it was made from.
-std::string PrintStages(Technique technique);
+std::string PrintStages(const StageGraph& recipe);
 
 }  // namespace rigmap

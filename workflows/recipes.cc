@@ -18,12 +18,12 @@ static_assert(kRecipes.size() == NamesOf(Technique{}).size());
 
 }  // namespace
 
-Technique ParseTechnique(const std::string& name) {
+Technique ParseTechnique(const std::string& name, const char* option) {
   constexpr auto kNames = NamesOf(Technique{});
   const auto found = std::ranges::find(kNames, name);
   if (found != kNames.end()) return static_cast<Technique>(found - kNames.begin());
   throw UsageError(
-      fmt::format("--technique: expected one of {}, found '{}'", fmt::join(kNames, ", "), name));
+      fmt::format("{}: expected one of {}, found '{}'", option, fmt::join(kNames, ", "), name));
 }
 
 StageGraph MakeRecipe(Technique technique, const Dataset& dataset, const DatasetContent& content,

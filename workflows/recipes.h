@@ -66,8 +66,8 @@ enum class Technique {
 constexpr auto NamesOf(Technique) {
   return std::array{"rig", "colmap", "sfm", "combined", "icp", "vo", "klt", "wheels", "filter"};
 }
-// Throws UsageError listing what there is.
-Technique ParseTechnique(const std::string& name);
+// Throws UsageError listing what there is, in the name of the option that was given.
+Technique ParseTechnique(const std::string& name, const char* option = "--technique");
 
 StageGraph MakeRecipe(Technique technique, const Dataset& dataset, const DatasetContent& content,
                       const PartOptions& options);

@@ -34,15 +34,15 @@ Rigid3 ImuFromTiltedCamera(double tilt_rad) {
 // More contrast than a real beach has, as the images are small, and a coarser mesh, to be quick.
 DrivePlan Plan(const StereoRig& rig, SimulatedWay way) {
   SimulationRequest request;
-  request.pairs = way == SimulatedWay::kArc ? 8 : 25;
+  request.pairs = way == SimulatedWay::kLoop ? 25 : 8;
   request.spacing_m = 0.3;
-  request.seed = 5;
+  request.seed = way == SimulatedWay::kElsewhere ? 6 : 5;
   request.rig = rig;
   request.contrast = 2.5;
   request.sand_cell_m = 0.03;
   DrivePlan plan = PlanDrive(request);
   const double length_m = plan.path.length_m(), heading_rad = plan.path.At(0.0).heading_rad;
-  const double turn_radpm = way == SimulatedWay::kArc ? 0.1 : 1.0;
+  const double turn_radpm = way == SimulatedWay::kLoop ? 1.0 : 0.1;
   const PathSegment arc{length_m, turn_radpm * length_m,
                         plan.path.duration_s() - RoverPath::kRamp_s};
   plan.path = RoverPath(std::array{arc}, heading_rad);

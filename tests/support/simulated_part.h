@@ -17,8 +17,8 @@ namespace rigmap {
 StereoRig SmallRoverRig();
 
 // Eight pairs, 30 cm apart, on a gentle arc to the left, or 25 on a circle of 1 m radius that the
-// last ones go round again.
-enum class SimulatedWay { kArc, kLoop };
+// last ones go round again; or the same arc on another beach.
+enum class SimulatedWay { kArc, kLoop, kElsewhere };
 
 // Building it takes about half a second of one core, writing a second for eight pairs. Those of the
 // same way are equal.

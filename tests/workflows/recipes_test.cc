@@ -168,7 +168,7 @@ std::vector<Technique> AllTechniques() {
 // To make the table anew: rigmap stages.
 TEST(PrintStages, GivesTheTableOfTheDocument) {
   EXPECT_THAT(ReadTextFile(RIGMAP_DOCS "/stages.md"),
-              HasSubstr("\n\n" + PrintStages(Technique::kRig) + "\n"));
+              HasSubstr("\n\n" + PrintStages(MakeRecipe(Technique::kRig, {}, {}, {})) + "\n"));
 }
 
 TEST(StageNamesTest, AreThoseOfTheDocument) {
@@ -180,7 +180,7 @@ TEST(StageNamesTest, AreThoseOfTheDocument) {
 }
 
 TEST(PrintStages, NamesASectionOnlyWhereAllOfItIsRead) {
-  const std::string table = PrintStages(Technique::kRig);
+  const std::string table = PrintStages(MakeRecipe(Technique::kRig, {}, {}, {}));
   EXPECT_THAT(table, HasSubstr("| `database` | `colmap`, `dataset`, `bridging`, `matching` | "
                                "`mapping.tracks_per_keyframe` | "));
   EXPECT_THAT(table, HasSubstr("| `odometry` | `dataset`, `features` | `odometry` | "));

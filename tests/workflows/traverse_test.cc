@@ -1,4 +1,5 @@
 // `rigmap plan`, `run` and `join` on the simulated part.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -6,6 +7,7 @@
 
 #include "core/file.h"
 #include "export/tum.h"
+#include "tests/support/simulated_part.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/workflows/rigmap_program.h"
 #include "workflows/stages/joined_parts.h"
@@ -31,9 +33,12 @@ class TraverseTest : public testing::Test {
   }
   ProgramEnd Part(const std::string& frames, const fs::path& out,
                   const std::vector<std::string>& more = {}) {
-    std::vector<std::string> arguments{
-        "part", "--dataset", SimulatedPartFolder(), "--out",  out, "--frames",
-        frames, "--until",   "adjustment",          "--quiet"};
+    return Part(SimulatedPartFolder(), frames, out, more);
+  }
+  ProgramEnd Part(const fs::path& dataset, const std::string& frames, const fs::path& out,
+                  const std::vector<std::string>& more = {}) {
+    std::vector<std::string> arguments{"part",     "--dataset", dataset,   "--out",      out,
+                                       "--frames", frames,      "--until", "adjustment", "--quiet"};
     arguments.insert(arguments.end(), more.begin(), more.end());
     return RunRigmap(arguments);
   }
@@ -117,6 +122,38 @@ TEST_F(TraverseTest, APartThatIsMissingIsNamedAndTheRestIsJoined) {
                                      "--out", out_, "--quiet", "--until", "adjustment"});
   EXPECT_EQ(rest.exit_code, 3) << rest.err;
   EXPECT_THAT(rest.err, HasSubstr("NOT TRUSTED"));
+}
+
+// The same rig an hour later on another beach.
+void WriteOtherPart(const fs::path& folder) {
+  SimulatedPart(SimulatedWay::kElsewhere).WriteStereoFolder(folder);
+  std::string times;
+  for (int i = 0; i < 8; ++i) times += fmt::format("{}.0\n", 1448555018 + i);
+  WriteFileAtomically(folder / "times.txt", [&](std::ostream& stream) { stream << times; });
+}
+
+TEST_F(TraverseTest, AnotherWorldIsJoinedByItself) {
+  const fs::path elsewhere = folder_.Path() / "elsewhere";
+  WriteOtherPart(elsewhere);
+  const auto of = [&](const char* name) { return folder_.Path() / name; };
+  Part("0:4", of("a"));
+  Part("3:8", of("b"));
+  Part(elsewhere, "0:4", of("c"));
+  Part(elsewhere, "3:7", of("d"));
+  const ProgramEnd join = RunRigmap(
+      {"join", of("a"), of("b"), of("c"), of("d"), "--out", out_, "--until", "steps", "--quiet"});
+  EXPECT_EQ(join.exit_code, 3) << join.err;
+  const fs::path other = out_ / "worlds" / "2";
+  EXPECT_THAT(join.err, HasSubstr("parts c, d could not be tied to parts a, b: they are joined by "
+                                  "themselves in " +
+                                  other.string()));
+  EXPECT_EQ(ReadTum(out_ / "trajectory.tum").size(), 8U);
+  EXPECT_EQ(ReadTum(other / "trajectory.tum").size(), 7U);
+  // What was another world once is none where it is not asked for.
+  const ProgramEnd without = RunRigmap(
+      {"join", of("a"), of("b"), "--out", out_, "--force", "--until", "steps", "--quiet"});
+  EXPECT_EQ(without.exit_code, 0) << without.err;
+  EXPECT_FALSE(fs::exists(other));
 }
 
 // What it throws is no error of rigmap's own kind.
