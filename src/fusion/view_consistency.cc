@@ -37,7 +37,8 @@ struct Measurement {
   double sigma_m = 0.0;
 };
 
-enum class Verdict { kNone, kAgrees, kSeesThrough, kSeesSomethingNearer };
+// kKnowsNoDepth: where the point would be in its image.
+enum class Verdict { kNone, kKnowsNoDepth, kAgrees, kSeesThrough, kSeesSomethingNearer };
 
 struct Opinion {
   Verdict verdict = Verdict::kNone;
@@ -54,7 +55,7 @@ Opinion Ask(const Neighbour& neighbour, const Measurement& point, const FusionOp
   const int row = cvRound(map.camera.fy * x.y() / x.z() + map.camera.cy);
   if (column < 0 || row < 0 || column >= map.disparity.cols || row >= map.disparity.rows) return {};
   const double found_px = map.disparity.at<float>(row, column);
-  if (found_px <= 0.0) return {};
+  if (found_px <= 0.0) return {.verdict = Verdict::kKnowsNoDepth};
   // Both depths are uncertain: compared where the sigma is known, in the neighbour's disparity.
   const double expected_px = map.camera.fx * map.baseline_m / x.z();
   const double found_sigma_px = map.disparity_sigma.at<float>(row, column);
@@ -87,13 +88,19 @@ bool IsForABetterView(const Opinion& opinion) {
 struct Consensus {
   Eigen::Vector3d weighted_sum = Eigen::Vector3d::Zero();
   double weight = 0.0;
-  int agreeing = 0, seeing_through = 0;
+  int agreeing = 0, seeing_through = 0, without_depth = 0;
 
   void Agree(const Measurement& measured) {
     const double weight_of_it = 1.0 / (measured.sigma_m * measured.sigma_m);
     weighted_sum += weight_of_it * measured.x;
     weight += weight_of_it;
     ++agreeing;
+  }
+
+  // Two agree by chance, or on what was there for a moment: who walked by stands against the sky,
+  // of which others know no depth. Four of these count as one that sees through.
+  bool Holds(int min_views) const {
+    return agreeing >= min_views && 4 * seeing_through + without_depth < 2 * agreeing;
   }
 };
 
@@ -115,10 +122,9 @@ std::optional<Consensus> Confirm(const Measurement& measured, const Views& views
     if (IsForABetterView(opinion)) return std::nullopt;
     if (opinion.verdict == Verdict::kAgrees) consensus.Agree(opinion.own);
     if (opinion.verdict == Verdict::kSeesThrough) ++consensus.seeing_through;
+    if (opinion.verdict == Verdict::kKnowsNoDepth) ++consensus.without_depth;
   }
-  const bool confirmed =
-      consensus.agreeing >= options.min_views && 2 * consensus.seeing_through < consensus.agreeing;
-  return confirmed ? std::optional(consensus) : std::nullopt;
+  return consensus.Holds(options.min_views) ? std::optional(consensus) : std::nullopt;
 }
 
 // Nothing where the disparity is unknown.
@@ -196,7 +202,8 @@ std::optional<ViewAgreement> AgreementOf(const DepthView& first, const DepthView
       const auto measured = MeasurementAt(first.map, {column, row});
       if (!measured) continue;
       const Opinion opinion = Ask(neighbour, *measured, options);
-      if (opinion.verdict != Verdict::kNone) ++shared;
+      if (opinion.verdict == Verdict::kNone || opinion.verdict == Verdict::kKnowsNoDepth) continue;
+      ++shared;
       if (opinion.verdict != Verdict::kAgrees) continue;
       ++agreeing;
       const double own = grey(first.map, {column, row}), other = grey(second.map, opinion.pixel);

@@ -76,6 +76,22 @@ TEST_F(ViewConsistency, IsNotDeniedByAFrameFromNoNearer) {
   EXPECT_GT(CountRaised(ConfirmedSamples(reference, {{&one}, {&beside}}, options_)), 300);
 }
 
+// Two frames agree on something; of the others, in whose images it would be, none sees through it,
+// but four know no depth there: it walked by before the sky.
+TEST_F(ViewConsistency, LeavesOutWhatTwoSeeWhereFourKnowNoDepth) {
+  const DepthView reference = ViewFrom(0.0, plate_view_, random_);
+  const DepthView agreeing = ViewFrom(0.05, plate_view_, random_);
+  DepthView empty = ViewFrom(0.02, plate_view_, random_);
+  empty.map.disparity.setTo(0.0F);
+  const auto count = [&](int without_depth) {
+    std::vector<const DepthView*> near(static_cast<std::size_t>(without_depth), &empty);
+    near.push_back(&agreeing);
+    return CountRaised(ConfirmedSamples(reference, {near, {}}, options_));
+  };
+  EXPECT_GT(count(3), 300);
+  EXPECT_EQ(count(4), 0);
+}
+
 TEST_F(ViewConsistency, LeavesPointsToANearerFrameAhead) {
   const DepthView reference = ViewFrom(0.0, ground_view_, random_);
   const DepthView near = ViewFrom(0.1, ground_view_, random_);

@@ -22,8 +22,9 @@ struct ComparedViews {
 
 // The points of `reference` that enough near views confirm, each the mean of all agreeing
 // measurements weighed by 1 / sigma^2. Left out:
-// - points on which fewer than min_views frames agree, or that more near views see through (they
-//   see something clearly behind it) than half of those that agree;
+// - points on which fewer than min_views frames agree, or that half as many near views or more see
+//   through (they see something clearly behind it); four that would show the point and know no
+//   depth there count as one of these;
 // - points that any view looks at from clearly nearer (better_view_share): if it agrees, it gives
 //   them itself; if it sees through them, it knows better;
 // - points seen too edge on (max_incidence_deg) where no surface goes on around them;
