@@ -55,11 +55,13 @@ TEST(WeakLinks, AreNotCutWhereBothContradictEachOther) {
   EXPECT_THAT(WeakLinks(part.odometry, part.adjustment), IsEmpty());
 }
 
-// Frame 4 hangs on frame 2, too, and the adjustment knows that well.
+// Frame 4 hangs on frame 2, too, which the adjustment knows well; frame 5 hangs on frame 4.
 TEST(WeakLinks, AreNotCutWhereAnotherFrameTiesBothSides) {
   Part part = AdjustedPart(6, 3);
   part.odometry[4].reference = 2;
-  part.Adjust(4, part.odometry[4].world_from_left, Diagonal(kTight_m, kRotation_rad));
+  for (const int i : {4, 5}) {
+    part.Adjust(i, part.odometry[i].world_from_left, Diagonal(kTight_m, kRotation_rad));
+  }
   EXPECT_THAT(WeakLinks(part.odometry, part.adjustment), IsEmpty());
 }
 
