@@ -170,6 +170,7 @@ Odometry BridgeGaps(const Dataset& dataset, Odometry odometry, const DeadReckoni
   // In order, so that what hangs on a frame follows it.
   const Odometry before = odometry;
   const Choice choice = Choose(dataset, before, lost, motion, steps, options.wheel_radius_m);
+  int slipping = 0;
   for (int i = 1; i < static_cast<int>(before.size()); ++i) {
     OdometryFrame& frame = odometry[i];
     if (frame.reference >= i) continue;
@@ -181,6 +182,7 @@ Odometry BridgeGaps(const Dataset& dataset, Odometry odometry, const DeadReckoni
       const Eigen::Vector3d slipped = filter.burst_slip * step.Inverse().translation;
       frame.step_covariance.topLeftCorner<3, 3>() +=
           choice.chance_of_slip[i] * slipped * slipped.transpose();
+      if (choice.chance_of_slip[i] == 1.0) ++slipping;
       frame.source = PoseSource::kOdometry;
       frame.stands_still = false;
       frame.bridged = true;
@@ -191,9 +193,6 @@ Odometry BridgeGaps(const Dataset& dataset, Odometry odometry, const DeadReckoni
   if (bridged > 0) {
     spdlog::warn("{} frames are posed by wheels and gyro: the images lost their way", bridged);
   }
-  const auto slipping = std::ranges::count_if(odometry, [&](const OdometryFrame& frame) {
-    return frame.bridged && choice.chance_of_slip[&frame - odometry.data()] == 1.0;
-  });
   if (slipping > 0) {
     spdlog::warn("on the way to {} of them the wheels turn unlike each other: they slip", slipping);
   }
