@@ -62,6 +62,17 @@ std::string Named(const std::vector<std::string>& parts) {
   return fmt::format("part{} {}", parts.size() > 1 ? "s" : "", fmt::join(parts, ", "));
 }
 
+// What an earlier join has left, and nothing else.
+void RemoveWorlds(const fs::path& others) {
+  if (!fs::is_directory(others)) return;
+  std::vector<fs::path> own;
+  for (const auto& entry : fs::directory_iterator(others)) {
+    if (entry.is_directory() && MarkIn(entry.path())) own.push_back(entry.path());
+  }
+  for (const fs::path& world : own) fs::remove_all(world);
+  if (fs::is_empty(others)) fs::remove(others);
+}
+
 // Does what is left to do of a world beside the largest, by itself, and says where that lies.
 std::string JoinBeside(const std::vector<PartFolder>& folders, const fs::path& out,
                        const JoinRequest& request) {
@@ -126,7 +137,7 @@ PartResult JoinParts(const JoinRequest& request) {
   posed.until = "adjustment";
   Run(request, posed, united, mark);
   const fs::path others = whole.out / kWorldsFolder;
-  fs::remove_all(others);  // of an earlier join
+  RemoveWorlds(others);
   const auto worlds = WorldsIn(whole.out);
   const PartRequest rest = AfterAdjustment(request, stages);
   if (worlds.size() < 2) return Run(request, rest, std::move(united), mark);

@@ -149,11 +149,14 @@ TEST_F(TraverseTest, AnotherWorldIsJoinedByItself) {
                                   other.string()));
   EXPECT_EQ(ReadTum(out_ / "trajectory.tum").size(), 8U);
   EXPECT_EQ(ReadTum(other / "trajectory.tum").size(), 7U);
-  // What was another world once is none where it is not asked for.
+  // What was another world once is none where it is not asked for; what is not rigmap's stays.
+  const fs::path notes = out_ / "worlds" / "notes.txt";
+  WriteFileAtomically(notes, [](std::ostream& stream) { stream << "mine\n"; });
   const ProgramEnd without = RunRigmap(
       {"join", of("a"), of("b"), "--out", out_, "--force", "--until", "steps", "--quiet"});
   EXPECT_EQ(without.exit_code, 0) << without.err;
   EXPECT_FALSE(fs::exists(other));
+  EXPECT_TRUE(fs::exists(notes));
 }
 
 // What it throws is no error of rigmap's own kind.
