@@ -76,10 +76,6 @@ struct Adjuster {
         AdjustBundle({matches, dataset.rig, starting, refined, correction, {}}, options);
     const std::vector<int> apart = WeakLinks(motions.steps, adjustment);
     if (!apart.empty()) {
-      spdlog::warn(
-          "frames {}: the odometry tells the way there better than the points that tie "
-          "them to those before, on which they no longer hang",
-          fmt::join(apart, ", "));
       starting = RelaxPoses(StartingPoses(motions.steps, {}), motions.steps, {});
       adjustment =
           AdjustBundle({matches, dataset.rig, starting, refined, correction, apart}, options);
@@ -88,6 +84,13 @@ struct Adjuster {
     AdjustedPart part = LayInWorld(dataset, motions.steps, std::move(adjustment));
     part.loop_closures = std::move(motions.loop_closures);
     part.rests_on_mapping = !start.empty() && apart.empty();
+    if (!apart.empty()) {
+      part.remarks.push_back(fmt::format(
+          "frames {}: the odometry knows the way there better than the few points that tie them to "
+          "those before, and carries them",
+          fmt::join(apart, ", ")));
+      spdlog::warn("{}", part.remarks.back());
+    }
     return part;
   }
 
