@@ -4,108 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
-#include "core/statistics.h"
-#include "correspondence/sightings.h"
+#include "odometry/internal/find_motion.h"
 #include "trajectory/motion_model.h"
 
 namespace rigmap {
 namespace {
-
-// Some times the fewest inliers that make a motion are enough to be sure of it.
-constexpr int kSureTimes = 3;
-// A motion is known in metres by so many points whose depth the disparity tells to such a share.
-constexpr int kLeastNear = 6;
-constexpr double kNear = 0.1;
-
-// A frame with what is needed to pose others against it.
-struct Reference {
-  int frame = 0;
-  FrameFeatures features;
-  std::vector<std::optional<StereoPoint>> points;
-  int point_count = 0;
-};
-
-// A motion found between a reference and the current frame.
-struct Found {
-  Rigid3 current_from_reference;
-  Matrix6d covariance = Matrix6d::Zero();
-  int inliers = 0;
-  double median_shift_px = 0.0;  // of the inliers' left pixels
-  double metres_sigma = 0.0;     // as a share of its length, beyond its covariance
-};
-
-Reference MakeReference(int frame, FrameFeatures features, const StereoRig& rig,
-                        const OdometryOptions& options) {
-  Reference reference{.frame = frame, .features = std::move(features)};
-  reference.points =
-      TriangulateFeatures(reference.features.features, rig, options.disparity_noise_px);
-  reference.point_count =
-      static_cast<int>(std::count_if(reference.points.begin(), reference.points.end(),
-                                     [](const auto& point) { return point.has_value(); }));
-  return reference;
-}
-
-double MedianShift(const Reference& reference, const FrameFeatures& current,
-                   const std::vector<FeatureMatch>& matches) {
-  std::vector<double> shifts;
-  for (const FeatureMatch& match : matches) {
-    shifts.push_back(
-        (current.features[match.b].left - reference.features.features[match.a].left).norm());
-  }
-  return Median(std::move(shifts));
-}
-
-// A disparity that is off by its noise in all points alike, by the calibration, falsifies a motion
-// by as much as their depths. Of points that are far this is more than all else.
-double MetresSigma(const Reference& reference, const std::vector<FeatureMatch>& matches) {
-  std::vector<double> shares;
-  for (const FeatureMatch& match : matches) {
-    if (const auto& point = reference.points[match.a]) {
-      shares.push_back(point->depth_sigma_m / point->x_in_left.norm());
-    }
-  }
-  const auto near = std::ranges::count_if(shares, [](double share) { return share <= kNear; });
-  return near >= kLeastNear || shares.empty() ? 0.0 : Median(std::move(shares));
-}
-
-std::optional<Found> Solve(const Reference& reference, const FrameFeatures& current,
-                           const std::vector<FeatureMatch>& matches, const StereoRig& rig,
-                           const Rigid3& predicted, const OdometryOptions& options) {
-  const auto seen = SightingsOf(matches, reference.points, current.features, rig);
-  StereoPoseOptions pose_options;
-  // A match scatters by the noise of two keypoints.
-  pose_options.noise_px = pose_options.reference_noise_px =
-      options.keypoint_noise_px / std::numbers::sqrt2;
-  pose_options.max_sigmas = options.max_sigmas;
-  pose_options.min_inliers = options.min_inliers;
-  const std::array<Rigid3, 2> guesses{predicted, Rigid3()};
-  const auto pose = EstimateStereoPose(seen.sightings, rig, guesses, pose_options);
-  if (!pose) return std::nullopt;
-  const std::vector<FeatureMatch> agreeing = seen.Agreeing(*pose);
-  return Found{pose->current_from_reference, pose->covariance, pose->inlier_count,
-               MedianShift(reference, current, agreeing), MetresSigma(reference, agreeing)};
-}
-
-// By descriptors near the prediction first; everywhere when that finds too few to be sure of.
-std::optional<Found> FindMotion(const Reference& reference, const FrameFeatures& current,
-                                const StereoRig& rig, const Rigid3& predicted,
-                                const OdometryOptions& options, MatchBy match_by) {
-  if (match_by == MatchBy::kTracks) {
-    return Solve(reference, current, MatchTracks(reference.features, current), rig, predicted,
-                 options);
-  }
-  const auto near =
-      MatchFeatures(reference.features, current, PredictedPixels(reference.points, predicted, rig),
-                    options.search_radius_px, {});
-  auto found = Solve(reference, current, near, rig, predicted, options);
-  if (found && found->inliers >= kSureTimes * options.min_inliers) return found;
-  const auto everywhere = MatchFeatures(reference.features, current, {});
-  auto wider = Solve(reference, current, everywhere, rig, predicted, options);
-  if (!found || (wider && wider->inliers > found->inliers)) return wider;
-  return found;
-}
 
 Vector6d MotionOf(const Found& found) {
   Vector6d motion;
