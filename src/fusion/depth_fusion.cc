@@ -6,6 +6,7 @@
 #include "core/progress.h"
 #include "fusion/internal/frame_agreement.h"
 #include "fusion/internal/layered_grid.h"
+#include "fusion/internal/past_light.h"
 #include "fusion/internal/view_cache.h"
 #include "fusion/internal/view_consistency.h"
 
@@ -28,7 +29,7 @@ void Brighten(double factor, std::vector<SurfaceSample>& samples) {
 
 // Those of a sound frame, compared with those that are sound.
 void AddSamplesOf(std::size_t frame, const FusionOptions& options, FrameAgreement& agreement,
-                  ViewCache& cache, LayeredGrid& grid) {
+                  ViewCache& cache, PastLight& past_light, LayeredGrid& grid) {
   constexpr int kBand = 256;  // rows; their samples are in memory at once
   FrameComparison compared = agreement.ComparisonOf(frame);
   const auto is_unsound = [&](std::size_t other) { return !agreement.IsSound(other); };
@@ -41,8 +42,10 @@ void AddSamplesOf(std::size_t frame, const FusionOptions& options, FrameAgreemen
   const auto views = cache.Get(frames);
   const auto first_ahead = views.begin() + 1 + static_cast<std::ptrdiff_t>(compared.near.size());
   const ComparedViews others{{views.begin() + 1, first_ahead}, {first_ahead, views.end()}};
-  for (int row = 0; row < views[0]->map.disparity.rows; row += kBand) {
-    auto samples = ConfirmedSamples(*views[0], others, options, {row, row + kBand});
+  DepthView own = *views[0];  // shares its images
+  own.map.colour = past_light.Lit(own, brightness);
+  for (int row = 0; row < own.map.disparity.rows; row += kBand) {
+    auto samples = ConfirmedSamples(own, others, options, {row, row + kBand});
     Brighten(brightness, samples);
     grid.Add(samples);
   }
@@ -57,12 +60,13 @@ std::vector<std::size_t> FuseDepthMaps(std::span<const PosedDepth> depths, doubl
   const std::vector<Rigid3> world_from_left = PosesOf(depths);
   ViewCache cache(depths, cached_views);
   FrameAgreement agreement(world_from_left, options, cache);
+  PastLight past_light;
   LayeredGrid grid(voxel_m, options.steep_voxel_share, target.scratch, kKeptVoxels);
   std::vector<std::size_t> left_out;
   Progress progress("fusion", depths.size());
   for (std::size_t frame = 0; frame < depths.size(); ++frame) {
     if (agreement.IsSound(frame)) {
-      AddSamplesOf(frame, options, agreement, cache, grid);
+      AddSamplesOf(frame, options, agreement, cache, past_light, grid);
     } else {
       left_out.push_back(frame);
     }

@@ -32,7 +32,8 @@ struct FusionTarget {
 //
 // A frame is left out, and its index returned, if it agrees with its neighbours on less than half
 // of the pixels on which they agree with theirs: its pose or its depth is wrong. Colours are made
-// as bright as those of the frames before, where the same ground is seen.
+// as bright as those of the frames before, where the same ground is seen, and a shadow that came
+// over it since is taken away (past_light.h).
 //
 // Holds `cached_views` depth maps (11 bytes a pixel), but at least those that one is compared with,
 // kKeptVoxels voxels and the samples of some rows (together kFusionMegabytes), whatever the number

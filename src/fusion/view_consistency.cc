@@ -50,15 +50,13 @@ struct Opinion {
 Opinion Ask(const Neighbour& neighbour, const Measurement& point, const FusionOptions& options) {
   const DepthMap& map = *neighbour.map;
   const Eigen::Vector3d x = neighbour.neighbour_from_reference * point.x;
-  if (x.z() <= 0.0) return {};
-  const int column = cvRound(map.camera.fx * x.x() / x.z() + map.camera.cx);
-  const int row = cvRound(map.camera.fy * x.y() / x.z() + map.camera.cy);
-  if (column < 0 || row < 0 || column >= map.disparity.cols || row >= map.disparity.rows) return {};
-  const double found_px = map.disparity.at<float>(row, column);
+  const std::optional<cv::Point> pixel = map.PixelOf(x);
+  if (!pixel) return {};
+  const double found_px = map.disparity.at<float>(*pixel);
   if (found_px <= 0.0) return {.verdict = Verdict::kKnowsNoDepth};
   // Both depths are uncertain: compared where the sigma is known, in the neighbour's disparity.
   const double expected_px = map.camera.fx * map.baseline_m / x.z();
-  const double found_sigma_px = map.disparity_sigma.at<float>(row, column);
+  const double found_sigma_px = map.disparity_sigma.at<float>(*pixel);
   const double expected_sigma_px = expected_px / x.z() * point.sigma_m;
   const double variance_px2 =
       found_sigma_px * found_sigma_px + expected_sigma_px * expected_sigma_px;
@@ -72,9 +70,10 @@ Opinion Ask(const Neighbour& neighbour, const Measurement& point, const FusionOp
     return opinion;
   }
   opinion.verdict = Verdict::kAgrees;
-  opinion.pixel = {column, row};
-  opinion.own = {neighbour.reference_from_neighbour * map.PointInRectified(column, row, found_px),
-                 map.DepthSigma(found_px, found_sigma_px)};
+  opinion.pixel = *pixel;
+  opinion.own = {
+      neighbour.reference_from_neighbour * map.PointInRectified(pixel->x, pixel->y, found_px),
+      map.DepthSigma(found_px, found_sigma_px)};
   return opinion;
 }
 

@@ -38,6 +38,15 @@ struct DepthMap {
     return Depth(disparity_px) *
            Eigen::Vector3d((column - camera.cx) / camera.fx, (row - camera.cy) / camera.fy, 1.0);
   }
+  // The nearest pixel to where a point would be seen; nothing outside the image or behind it.
+  std::optional<cv::Point> PixelOf(const Eigen::Vector3d& x_in_rectified) const {
+    const Eigen::Vector3d& x = x_in_rectified;
+    if (x.z() <= 0.0) return std::nullopt;
+    const cv::Point pixel(cvRound(camera.fx * x.x() / x.z() + camera.cx),
+                          cvRound(camera.fy * x.y() / x.z() + camera.cy));
+    if (!cv::Rect(cv::Point(), disparity.size()).contains(pixel)) return std::nullopt;
+    return pixel;
+  }
 };
 
 // Median of the map's disparity less that of sparse points (left camera axes, metres) that fall on
