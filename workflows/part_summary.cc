@@ -49,6 +49,7 @@ Report Blank() {
         {"largest_shift_px", nullptr},
         {"infinity_offset_px", nullptr},
         {"infinity_offset_sigma_px", nullptr},
+        {"prior_factor", nullptr},
         {"given", nullptr},
         {"used", nullptr}}},
       {"gates", Report::array()},

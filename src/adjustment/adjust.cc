@@ -221,13 +221,16 @@ class Adjuster {
     return covariances;
   }
 
+  // That of the rig file, as the images find it.
+  CalibrationPrior PriorAsFound(const CameraSystemResult& system) const {
+    if (!system.calibration) return prior_;
+    return AsGoodAsFound(prior_, correction_, *system.calibration, options_);
+  }
+
   // Where the images are not asked, the prior counts.
-  CalibrationMatrix ErrorOfCalibration(const CameraSystemResult& system) const {
-    if (!system.calibration) return prior_.information.inverse();
-    const CalibrationPrior prior =
-        AsGoodAsFound(prior_, correction_, *system.calibration, options_);
-    spdlog::info("rig file taken to be {:.2f} times as far off as expected",
-                 prior.sigmas(kLogFocal) / prior_.sigmas(kLogFocal));
+  CalibrationMatrix ErrorOfCalibration(const CameraSystemResult& system,
+                                       const CalibrationPrior& prior) const {
+    if (!system.calibration) return prior.information.inverse();
     return CalibrationError(refined_, correction_, *system.calibration, prior, options_);
   }
 
@@ -241,7 +244,9 @@ class Adjuster {
     result.outlier_share =
         1.0 - static_cast<double>(errors.size()) /
                   static_cast<double>(std::max({all, errors.size(), std::size_t{1}}));
-    const CalibrationMatrix of_calibration = ErrorOfCalibration(system);
+    const CalibrationPrior prior = PriorAsFound(system);
+    result.prior_factor = prior.sigmas(kLogFocal) / prior_.sigmas(kLogFocal);
+    const CalibrationMatrix of_calibration = ErrorOfCalibration(system, prior);
     result.covariances = InflatedCovariances(system, of_calibration);
     result.by_calibration = std::move(system.by_calibration);
     result.calibration_covariance = of_calibration;

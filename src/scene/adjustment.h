@@ -53,6 +53,9 @@ struct Adjustment {
   // By how much it was corrected, also in sigmas of the prior; zero if it was not.
   CalibrationVector rig_correction = CalibrationVector::Zero();
   CalibrationVector rig_correction_sigmas = CalibrationVector::Zero();
+  // How many times as far off as files are the rig file was taken to be, by what the images find of
+  // it; 1 where they are not asked.
+  double prior_factor = 1.0;
   // By how much the correction moves the right image of what is infinitely far: the largest shift
   // of any pixel, the largest over what the prior expects of that pixel, and the change of
   // disparity in the middle of the image with the sigma of what is in use, corrected or not.
@@ -78,10 +81,10 @@ struct Adjustment {
   template <class Archive>
   void serialize(Archive& archive) {
     archive(world_from_left, datum_frames, covariances, by_calibration, calibration_covariance,
-            points, rig, refined, rig_correction, rig_correction_sigmas, correction_px,
-            correction_prior_sigmas, infinity_offset_px, infinity_offset_sigma_px, scale_sigma,
-            scale_sigma_of_noise, noise_px, reprojection_px, outlier_share, calibration,
-            calibration_inflation);
+            points, rig, refined, rig_correction, rig_correction_sigmas, prior_factor,
+            correction_px, correction_prior_sigmas, infinity_offset_px, infinity_offset_sigma_px,
+            scale_sigma, scale_sigma_of_noise, noise_px, reprojection_px, outlier_share,
+            calibration, calibration_inflation);
   }
 };
 

@@ -45,6 +45,7 @@ TEST_F(RealDrive, InASandYardMendsItsWrongRigFile) {
   EXPECT_EQ(end.exit_code, 0) << end.err;
   const json summary = Summary();
   EXPECT_NEAR(summary["rig"]["infinity_offset_px"], 3.2, 0.5);
+  EXPECT_GT(summary["rig"]["prior_factor"], 1.3);
   EXPECT_EQ(summary["frames"]["posed"], 127);
   // With the rig file as it is: 5 % and one pixel from cell to cell.
   EXPECT_LE(summary["depth_consistency"]["place"]["systematic_pct"].get<double>(), 0.4);

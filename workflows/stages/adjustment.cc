@@ -202,6 +202,7 @@ Report DescribeRigChange(const StereoRig& calibrated, const Adjustment& adjustme
           {"largest_shift_px", adjustment.correction_px},
           {"infinity_offset_px", adjustment.infinity_offset_px},
           {"infinity_offset_sigma_px", adjustment.infinity_offset_sigma_px},
+          {"prior_factor", adjustment.prior_factor},
           {"given", RigReport(calibrated)},
           {"used", RigReport(used)}};
 }
