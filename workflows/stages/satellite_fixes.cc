@@ -6,7 +6,6 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <numeric>
 #include <optional>
 
@@ -15,50 +14,27 @@
 #include "georeference/local_frame.h"
 #include "pipeline/code_identity.h"
 #include "pose_graph/fuse_fixes.h"
+#include "workflows/stages/fix_clocks.h"
 
 namespace rigmap {
 namespace {
 
 constexpr StampNs kTurn_ns = 10'000'000'000;
 constexpr std::size_t kFewestJudges = 4;  // as many as are needed to tie
-// Fewer fixes, or a path that turns less, do not tell a clock's offset from a way along the path.
-constexpr int kFixesForClock = 40;
-constexpr double kTurnForClock_rad = std::numbers::pi / 2.0;
-
 double SecondsBetween(StampNs from_ns, StampNs to_ns) {
   return 1e-9 * static_cast<double>(to_ns - from_ns);
 }
-
-// How far the path turns in all, about up.
-double HeadingRange(const Trajectory& trajectory) {
-  double heading = 0.0, least = 0.0, most = 0.0;
-  for (std::size_t i = 1; i < trajectory.size(); ++i) {
-    const Eigen::Vector3d before =
-        trajectory[i - 1].world_from_left.rotation * Eigen::Vector3d::UnitZ();
-    const Eigen::Vector3d after = trajectory[i].world_from_left.rotation * Eigen::Vector3d::UnitZ();
-    heading += std::atan2(before.x() * after.y() - before.y() * after.x(),
-                          before.x() * after.x() + before.y() * after.y());
-    least = std::min(least, heading);
-    most = std::max(most, heading);
-  }
-  return most - least;
-}
-
-// Of the stretch of the whole that one part was the first to have.
-struct PartClock {
-  std::string name;
-  StampNs first_ns = 0, last_ns = 0;
-  RtkFit fit;
-  bool weak = true;
-};
 
 class FixTie {
  public:
   FixTie(const AdjustedPart& part, const JoinedParts& parts, const SplitFixes& fixes,
          const Eigen::Vector3d& antenna, const RtkAlignmentOptions& options)
-      : part_(part), fixes_(fixes), antenna_(antenna), options_(options) {
-    whole_ = AlignToRtk(fixes.tying, part.trajectory, antenna, options);
-    for (std::size_t p = 0; p < parts.parts.size(); ++p) AddClock(parts, static_cast<int>(p));
+      : part_(part),
+        fixes_(fixes),
+        antenna_(antenna),
+        options_(options),
+        whole_(AlignToRtk(fixes.tying, part.trajectory, antenna, options)),
+        clocks_(part.trajectory, parts, fixes.tying, antenna, options) {
     ReportInput();
   }
 
@@ -100,31 +76,7 @@ class FixTie {
     report_["judging"] = fixes_.judging.size();
     report_["split"] = "by turns of ten seconds with fixes: the even ones tie, the odd ones judge";
     report_["not_rtk_fixed"] = std::ranges::count_if(fixes_.tying, is_float);
-    report_["clocks"] = ReportClocks();
-  }
-
-  void AddClock(const JoinedParts& parts, int p) {
-    Trajectory own;
-    for (std::size_t i = 0; i < part_.trajectory.size(); ++i) {
-      if (parts.first_part[i] == p) own.push_back(part_.trajectory[i]);
-    }
-    if (own.empty()) return;
-    PartClock clock{parts.parts[static_cast<std::size_t>(p)].name, own.front().stamp_ns,
-                    own.back().stamp_ns, AlignToRtk(fixes_.tying, own, antenna_, options_)};
-    const auto& alignment = clock.fit.alignment;
-    clock.weak = !alignment || !alignment->clock_offset_sigma_s ||
-                 alignment->used < kFixesForClock || HeadingRange(own) < kTurnForClock_rad;
-    clocks_.push_back(std::move(clock));
-  }
-
-  // Of the part that the moment lies in; of the whole where that does not tell.
-  double ClockOffset(StampNs stamp_ns) const {
-    for (const PartClock& clock : clocks_) {
-      if (!clock.weak && stamp_ns >= clock.first_ns && stamp_ns <= clock.last_ns) {
-        return clock.fit.alignment->clock_offset_s;
-      }
-    }
-    return whole_.alignment->clock_offset_s;
+    report_["clocks"] = clocks_.Describe();
   }
 
   std::vector<AntennaFix> InEnu(const std::vector<GnssFix>& fixes) const {
@@ -133,7 +85,7 @@ class FixTie {
     for (const GnssFix& fix : fixes) {
       if (fix.status != kRtkFixed) continue;
       const double time_s = SecondsBetween(part_.trajectory.front().stamp_ns, fix.stamp_ns) -
-                            ClockOffset(fix.stamp_ns);
+                            clocks_.OffsetAt(fix.stamp_ns, whole_.alignment->clock_offset_s);
       constexpr double kMinSigma_m = 0.001;
       result.push_back({time_s, frame.ToEnu({fix.latitude_deg, fix.longitude_deg, fix.altitude_m}),
                         fix.sigma_enu_m.cwiseMax(kMinSigma_m)});
@@ -213,20 +165,6 @@ class FixTie {
     report_["remark"] = remark;
   }
 
-  Report ReportClocks() const {
-    Report list = Report::array();
-    for (const PartClock& clock : clocks_) {
-      const auto& alignment = clock.fit.alignment;
-      list.push_back({{"part", clock.name},
-                      {"clock_offset_s", alignment ? Report(alignment->clock_offset_s) : Report()},
-                      {"sigma_s", alignment && alignment->clock_offset_sigma_s
-                                      ? Report(*alignment->clock_offset_sigma_s)
-                                      : Report()},
-                      {"weak", clock.weak}});
-    }
-    return list;
-  }
-
   TiedPart NotUsed(TiedPart result, std::string why) {
     const std::string exchanged =
         FitOnlyExchanged(fixes_.tying, part_.trajectory, antenna_, options_);
@@ -259,7 +197,7 @@ class FixTie {
   Eigen::Vector3d antenna_;
   const RtkAlignmentOptions& options_;
   RtkFit whole_;
-  std::vector<PartClock> clocks_;
+  FixClocks clocks_;
   Report report_ = Report::object();
 };
 
