@@ -16,6 +16,7 @@ constexpr double kNear = 0.1;
 double MedianShift(const Reference& reference, const FrameFeatures& current,
                    const std::vector<FeatureMatch>& matches) {
   std::vector<double> shifts;
+  shifts.reserve(matches.size());
   for (const FeatureMatch& match : matches) {
     shifts.push_back(
         (current.features[match.b].left - reference.features.features[match.a].left).norm());
