@@ -9,34 +9,12 @@
 #include "core/error.h"
 #include "dead_reckoning/internal/mean_square.h"
 #include "dead_reckoning/internal/measurements.h"
+#include "dead_reckoning/internal/required_records.h"
 
 namespace rigmap {
 namespace {
 
 double SecondsFrom(StampNs from, StampNs to) { return 1e-9 * static_cast<double>(to - from); }
-
-// `without`: what to do if it is not there, if anything.
-template <class Record>
-void RequireRecord(const Record& record, const char* what, const std::string& without) {
-  if (!record.problem.empty()) throw DataError(record.problem + without);
-  if (record.samples.empty()) {
-    throw DataError(fmt::format("expected samples of the {}, found none{}", what, without));
-  }
-}
-
-template <class Record>
-void RequireNoGap(const Record& record, const char* file, const Dataset& dataset,
-                  double max_gap_s) {
-  std::vector<StampNs> stamps_ns;
-  for (const auto& sample : record.samples) stamps_ns.push_back(sample.stamp_ns);
-  const StampNs begin_ns = dataset.frames.front().stamp_ns;
-  const auto gap = FindGap(stamps_ns, begin_ns, dataset.frames.back().stamp_ns, max_gap_s);
-  if (!gap) return;
-  throw DataError(fmt::format(
-      "{}: expected rows at least every {} s between the first and the last image, found none for "
-      "{:.2f} s, {:.2f} s after the first",
-      file, max_gap_s, gap->duration_s, SecondsFrom(begin_ns, gap->begin_ns)));
-}
 
 // Follows the frames of a part from the first to the last.
 class Follower {

@@ -32,6 +32,7 @@ constexpr int kEdgeBlocks = 7;          // a shade and its edges, twice three an
 // Of what the light makes of a spot most comes at once, when the shadow's edge passes. The rest may
 // come by and by, as with lenses that shade the edges of images.
 constexpr float kAtOnce = 0.6F;
+constexpr std::size_t kFewest = 4;  // of few steps one is always most of what all make
 // Of the median of the image's colours. What is dark by itself, as a rock, seems lighter from afar
 // by what the lens scatters.
 constexpr float kLeastLight = 0.2F;
@@ -105,9 +106,9 @@ Seen SeenBefore(const DepthView& blocks, cv::Point at, const std::vector<const D
 }
 
 // Natural logarithms of a block's colours in the light, the upper quartile of what was seen before,
-// over those in its shade. Zero where fewer than two saw it, or it did not come into a shade.
+// over those in its shade. Zero where too few saw it, or it did not come into a shade.
 cv::Vec3f LogLight(const cv::Vec3f& own, std::span<cv::Vec3f> seen, float median_grey) {
-  if (seen.size() < 2) return {};
+  if (seen.size() < kFewest) return {};
   float most_at_once = 0.0F, last = GreyOf(own);
   for (const cv::Vec3f& colour : seen) {
     most_at_once = std::max(most_at_once, GreyOf(colour) - last);
@@ -153,7 +154,7 @@ std::optional<cv::Mat> LogLightOf(const DepthView& blocks, const std::deque<Dept
     before_from_view.push_back(past[i].world_from_rectified.Inverse() *
                                blocks.world_from_rectified);
   }
-  if (before.size() < 2) return std::nullopt;
+  if (before.size() < kFewest) return std::nullopt;
   const float median_grey = MedianGrey(blocks.map);
   cv::Mat log_light(blocks.map.disparity.size(), CV_32FC3);
   tbb::parallel_for(tbb::blocked_range<int>(0, log_light.rows), [&](const auto& range) {

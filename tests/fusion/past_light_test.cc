@@ -21,6 +21,16 @@ class PastLightOverGround : public testing::Test {
   }
   // The rover's shadow, which lies in the same rows and columns of each image.
   static cv::Mat ShadowIn(DepthView& view) { return view.map.colour(cv::Rect(100, 170, 120, 70)); }
+  // Nothing is lit where frames see what `change` makes of their views.
+  template <class Change>
+  void ExpectNoneLit(int frames, const Change& change) {
+    for (int frame = 0; frame <= frames; ++frame) {
+      DepthView view = ViewOf(frame);
+      change(view);
+      const cv::Mat lit = past_light_.Lit(view, 1.0);
+      EXPECT_EQ(cv::norm(lit, view.map.colour, cv::NORM_INF), 0.0) << frame;
+    }
+  }
   static int GreyAt(const cv::Mat& image, int column, int row) {
     return image.at<cv::Vec3b>(row, column)[1];
   }
@@ -66,15 +76,7 @@ TEST_F(PastLightOverGround, LeavesWhatWasDarkAllAlong) {
       }
     }
   };
-  for (int frame = 0; frame < 30; ++frame) {
-    DepthView view = ViewOf(frame);
-    darken(view);
-    past_light_.Lit(view, 1.0);
-  }
-  DepthView view = ViewOf(30);
-  darken(view);
-  const cv::Mat lit = past_light_.Lit(view, 1.0);
-  EXPECT_EQ(cv::norm(lit, view.map.colour, cv::NORM_INF), 0.0);
+  ExpectNoneLit(30, darken);
 }
 
 TEST_F(PastLightOverGround, LeavesWhatGrowsDarkerByAndByTowardsTheEdgeOfTheImage) {
@@ -83,30 +85,18 @@ TEST_F(PastLightOverGround, LeavesWhatGrowsDarkerByAndByTowardsTheEdgeOfTheImage
       view.map.colour.row(row) = cv::Scalar::all(kLit - 0.4 * kLit * (row - 120) / 120.0);
     }
   };
-  for (int frame = 0; frame < 60; ++frame) {
-    DepthView view = ViewOf(frame);
-    shade_edges(view);
-    past_light_.Lit(view, 1.0);
-  }
-  DepthView view = ViewOf(60);
-  shade_edges(view);
-  const cv::Mat lit = past_light_.Lit(view, 1.0);
-  EXPECT_EQ(cv::norm(lit, view.map.colour, cv::NORM_INF), 0.0);
+  ExpectNoneLit(60, shade_edges);
 }
 
 TEST_F(PastLightOverGround, LeavesWhatIsDarkByItselfAndSeemsLighterFromAfar) {
   constexpr int kDark = 20, kVeiled = 35;
-  const auto put_rock = [](DepthView& view, int grey) {
-    cv::Mat rock = ShadowIn(view);
-    rock = cv::Scalar::all(grey);
-  };
   for (int frame = 0; frame < 30; ++frame) {
     DepthView view = ViewOf(frame);
     view.map.colour = cv::Scalar::all(kVeiled);
     past_light_.Lit(view, 1.0);
   }
   DepthView view = ViewOf(30);
-  put_rock(view, kDark);
+  ShadowIn(view) = cv::Scalar::all(kDark);
   const cv::Mat lit = past_light_.Lit(view, 1.0);
   EXPECT_EQ(GreyAt(lit, 160, 200), kDark);
 }
@@ -119,11 +109,16 @@ TEST_F(PastLightOverGround, TakesABrighterExposureForNoLight) {
   EXPECT_EQ(cv::norm(lit, view.map.colour, cv::NORM_INF), 0.0);
 }
 
-TEST_F(PastLightOverGround, NeedsTwoThatSawTheLight) {
-  past_light_.Lit(ViewOf(0), 1.0);
-  DepthView view = ViewOf(5);
-  ShadowIn(view) = cv::Scalar::all(kShaded);
-  EXPECT_EQ(GreyAt(past_light_.Lit(view, 1.0), 160, 200), kShaded);
+TEST_F(PastLightOverGround, NeedsFourThatSawTheGround) {
+  const auto shaded_after = [&](int frames) {
+    PastLight past_light;
+    for (int frame = 0; frame < frames; ++frame) past_light.Lit(ViewOf(frame), 1.0);
+    DepthView view = ViewOf(frames);
+    ShadowIn(view) = cv::Scalar::all(kShaded);
+    return GreyAt(past_light.Lit(view, 1.0), 160, 200);
+  };
+  EXPECT_EQ(shaded_after(9), kShaded);  // of which every third is asked
+  EXPECT_NEAR(shaded_after(10), kLit, 3);
 }
 
 TEST_F(PastLightOverGround, ALongStopForgetsNothing) {

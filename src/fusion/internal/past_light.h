@@ -16,7 +16,7 @@ class PastLight {
  public:
   // The colours of the next frame's view, where it is in such a shade by what the frames before
   // saw. `brightness`: the factor that makes the frame as bright as these. What was as dark before
-  // stays so, as does what fewer than two of them saw. Those after it ask this frame, too, unless
+  // stays so, as does what fewer than four of them saw. Those after it ask this frame, too, unless
   // it was taken from nearly the same place as the one before.
   cv::Mat Lit(const DepthView& view, double brightness);
 
