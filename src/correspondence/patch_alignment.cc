@@ -15,25 +15,32 @@ using Matrix6 = Eigen::Matrix<double, 6, 6>;
 constexpr int kMaxRadius = 10;
 constexpr int kMaxSamples = (2 * kMaxRadius + 1) * (2 * kMaxRadius + 1);
 
-// The template: grey values normalised to zero weighted mean and unit variance, and what a change
-// of each warp parameter does to them.
+// The template: grey values without their mean plane, of unit variance, and what a change of each
+// warp parameter does to them.
 struct Template {
   int count = 0;
   double weight_sum = 0.0;
+  double moment = 0.0;     // px^2, weighted sum of the squared columns, and so of the rows
   double deviation = 0.0;  // grey levels, before it was normalised
+  std::array<double, kMaxSamples> column, row;
   std::array<Eigen::Vector2d, kMaxSamples> offset;
   std::array<double, kMaxSamples> grey, weight;
   std::array<Vector6, kMaxSamples> gradient;
   Matrix6 hessian = Matrix6::Zero();
 };
 
-// Normalises `grey` in place; the standard deviation found, or nothing for a flat window.
+// Normalises `grey` in place; the standard deviation found, or nothing for a flat window. The
+// weights are alike to all sides, so that mean and slopes are found one by one.
 std::optional<double> Normalise(const Template& window, std::array<double, kMaxSamples>& grey) {
-  double mean = 0.0, square = 0.0;
-  for (int i = 0; i < window.count; ++i) mean += window.weight[i] * grey[i];
-  mean /= window.weight_sum;
+  double square = 0.0;
+  Eigen::Vector3d plane = Eigen::Vector3d::Zero();
   for (int i = 0; i < window.count; ++i) {
-    grey[i] -= mean;
+    plane += window.weight[i] * grey[i] * Eigen::Vector3d(1.0, window.column[i], window.row[i]);
+  }
+  plane[0] /= window.weight_sum;
+  plane.tail<2>() /= window.moment;
+  for (int i = 0; i < window.count; ++i) {
+    grey[i] -= plane[0] + plane[1] * window.column[i] + plane[2] * window.row[i];
     square += window.weight[i] * grey[i] * grey[i];
   }
   constexpr double kFlatGrey = 1.0;  // below one grey level there is only quantisation
@@ -48,15 +55,22 @@ bool Inside(const GreyView& image, const Eigen::Vector2i& centre, int radius) {
          centre.y() + radius < image.height;
 }
 
-// What of the gradient only changes mean or deviation is undone by the normalisation: without
+// What of the gradient only changes plane or deviation is undone by the normalisation: without
 // taking it off, steps are too short and the search stops before the place.
 void TakeOffBrightness(Template& window) {
-  Vector6 mean = Vector6::Zero(), along = Vector6::Zero();
+  Vector6 mean = Vector6::Zero(), across = Vector6::Zero(), down = Vector6::Zero(),
+          along = Vector6::Zero();
   for (int i = 0; i < window.count; ++i) {
-    mean += window.weight[i] / window.weight_sum * window.gradient[i];
-    along += window.weight[i] / window.weight_sum * window.grey[i] * window.gradient[i];
+    const Vector6 weighted = window.weight[i] * window.gradient[i];
+    mean += weighted / window.weight_sum;
+    across += window.column[i] / window.moment * weighted;
+    down += window.row[i] / window.moment * weighted;
+    along += window.grey[i] / window.weight_sum * weighted;
   }
-  for (int i = 0; i < window.count; ++i) window.gradient[i] -= mean + window.grey[i] * along;
+  for (int i = 0; i < window.count; ++i) {
+    window.gradient[i] -=
+        mean + window.column[i] * across + window.row[i] * down + window.grey[i] * along;
+  }
 }
 
 // Gaussian, row by row.
@@ -91,6 +105,9 @@ bool MakeTemplate(const GreyView& source, const Eigen::Vector2i& centre, int rad
       window.grey[i] = *pixel;
       window.weight[i] = weights[i];
       window.weight_sum += window.weight[i];
+      window.column[i] = x;
+      window.row[i] = y;
+      window.moment += window.weight[i] * x * x;
       slope[i] = {0.5 * (pixel[1] - pixel[-1]),
                   0.5 * (pixel[source.stride] - pixel[-source.stride])};
     }

@@ -31,7 +31,7 @@ struct PatchWarp {
 };
 
 struct PatchAlignmentOptions {
-  int radius_px = 6;  // of the window; 13 x 13 pixels hold the six parameters on sand
+  int radius_px = 6;  // of the window; 13 x 13 pixels hold the nine parameters on sand
   int max_iterations = 20;
   double converged_px = 0.01;
   double max_shift_px = 3.0;  // a window that moves further has found something else
@@ -40,14 +40,16 @@ struct PatchAlignmentOptions {
 
 struct PatchAlignment {
   PatchWarp warp;
-  double correlation = 0.0;  // zero-mean normalised, -1 to 1
+  double correlation = 0.0;  // of the windows without their planes, -1 to 1
   double sigma_px = 0.0;     // of the position along its worse direction, from residual and texture
 };
 
 // Aligns the window around the integer pixel (centre_x, centre_y) of `source` with `target`, under
-// an affine warp and a free gain and offset of brightness: inverse compositional Gauss-Newton
-// (Baker and Matthews 2004), with both windows normalised to zero mean and unit variance.
-// Nothing where the window leaves an image, has no texture in two directions or does not converge.
+// an affine warp and a free gain, offset and slope of brightness: inverse compositional
+// Gauss-Newton (Baker and Matthews 2004), with the mean plane taken off both windows and unit
+// variance given to the rest. Stray light and vignetting differ from view to view by just such
+// planes. Nothing where the window leaves an image, has no texture in two directions or does not
+// converge.
 std::optional<PatchAlignment> AlignPatch(const GreyView& source, const Eigen::Vector2i& centre,
                                          const GreyView& target, const PatchWarp& start,
                                          const PatchAlignmentOptions& options);

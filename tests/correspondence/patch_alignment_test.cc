@@ -17,12 +17,13 @@ constexpr int kSize = 61;
 const Eigen::Vector2i kCentre(30, 30);
 using Surface = std::function<double(const Eigen::Vector2d&)>;
 
-// Waves of 7 to 25 px in all directions, grey values about 90 +- 30.
+// Waves of 7 to 18 px in all directions, grey values about 90 +- 30. A window of 13 px hardly tells
+// longer ones from a plane of brightness, which it leaves free.
 Surface RandomTexture(SeededRandom& random) {
   std::vector<Eigen::Vector3d> waves;
   for (int i = 0; i < 12; ++i) {
     const double direction = random.Uniform(0.0, 2.0 * std::numbers::pi);
-    const double number = 2.0 * std::numbers::pi / random.Uniform(7.0, 25.0);
+    const double number = 2.0 * std::numbers::pi / random.Uniform(7.0, 18.0);
     waves.emplace_back(number * std::cos(direction), number * std::sin(direction),
                        random.Uniform(0.0, 2.0 * std::numbers::pi));
   }
@@ -68,17 +69,21 @@ constexpr double kDegree = std::numbers::pi / 180.0;
 
 TEST(AlignPatch, FindsSubPixelShifts) {
   SeededRandom random;
-  for (int trial = 0; trial < 50; ++trial) {
+  constexpr int kTrials = 50;
+  double squared_errors = 0.0;
+  for (int trial = 0; trial < kTrials; ++trial) {
     const Surface surface = RandomTexture(random);
     const Image source = Draw(surface, AtCentre());
     const PatchWarp truth = Turned(0.0, 1.0, RandomShift(1.5, random));
     const auto found =
         AlignPatch(source.View(), kCentre, Draw(surface, truth).View(), AtCentre(), {});
     ASSERT_TRUE(found) << trial;
-    EXPECT_LT((found->warp.position - truth.position).norm(), 0.03) << trial;
+    EXPECT_LT((found->warp.position - truth.position).norm(), 0.05) << trial;
     EXPECT_GT(found->correlation, 0.99);
     EXPECT_LT(found->sigma_px, 0.05);
+    squared_errors += (found->warp.position - truth.position).squaredNorm();
   }
+  EXPECT_LT(std::sqrt(squared_errors / kTrials), 0.015);  // px, of rounding
 }
 
 TEST(AlignPatch, FindsScaleRotationGainAndOffset) {
@@ -125,6 +130,23 @@ TEST(AlignPatch, BrightnessDoesNotMatter) {
       AlignPatch(source.View(), kCentre, Draw(surface, truth, 0.6, 60.0).View(), AtCentre(), {});
   ASSERT_TRUE(plain && dimmed);
   EXPECT_LT((plain->warp.position - dimmed->warp.position).norm(), 0.02);  // px, of rounding
+}
+
+// Stray light and vignetting rest in the image, and fall off differently where the other camera
+// sees the same ground: with gain and offset alone such windows are drawn aside by 0.1 to 1 px.
+TEST(AlignPatch, SlopesOfBrightnessDoNotMatter) {
+  SeededRandom random;
+  for (int trial = 0; trial < 20; ++trial) {
+    const Surface surface = RandomTexture(random);
+    const PatchWarp truth = Turned(0.0, 1.0, {0.4, -0.7});
+    const Eigen::Vector2d slope = RandomShift(3.0, random);  // grey levels per pixel
+    const Surface lit = [&](const Eigen::Vector2d& u) { return surface(u) + slope.dot(u); };
+    const auto found = AlignPatch(Draw(surface, AtCentre()).View(), kCentre,
+                                  Draw(lit, truth).View(), AtCentre(), {});
+    ASSERT_TRUE(found) << trial;
+    EXPECT_LT((found->warp.position - truth.position).norm(), 0.03) << slope.transpose();
+    EXPECT_GT(found->correlation, 0.99);
+  }
 }
 
 TEST(AlignPatch, RefusesFlatPatches) {
