@@ -103,7 +103,7 @@ class Adjuster {
   }
 
   CameraSystemResult SolveSystem() const {
-    CameraSystemResult system = SolveCameraSystem(Linearised());
+    CameraSystemResult system = SolveCameraSystem(Linearised(), input_.references);
     if (PathExtent() < bundle_.rig.Baseline()) system.calibration.reset();
     return system;
   }
@@ -203,22 +203,35 @@ class Adjuster {
   }
 
   // Sigmas grown along and about the left camera's axes, correlations kept.
+  Matrix6d Inflated(const Matrix6d& covariance, std::size_t frame,
+                    const CameraSystemResult& system) const {
+    Matrix6d left_from_world = Matrix6d::Zero();
+    left_from_world.topLeftCorner<3, 3>() = left_from_world.bottomRightCorner<3, 3>() =
+        bundle_.left_from_world[frame]->rotation.toRotationMatrix();
+    const Matrix6d grow = options_.shared_noise * left_from_world.transpose() *
+                          system.inflations[frame].asDiagonal() * left_from_world;
+    return grow * covariance * grow.transpose();
+  }
+
   std::vector<Matrix6d> InflatedCovariances(const CameraSystemResult& system,
                                             const CalibrationMatrix& of_calibration) const {
     std::vector<Matrix6d> covariances = system.covariances;
     for (std::size_t i = 0; i < covariances.size(); ++i) {
       if (!bundle_.left_from_world[i]) continue;
-      Matrix6d left_from_world = Matrix6d::Zero();
-      left_from_world.topLeftCorner<3, 3>() = left_from_world.bottomRightCorner<3, 3>() =
-          bundle_.left_from_world[i]->rotation.toRotationMatrix();
-      const Matrix6d grow = options_.shared_noise * left_from_world.transpose() *
-                            system.inflations[i].asDiagonal() * left_from_world;
-      covariances[i] = grow * covariances[i] * grow.transpose();
+      covariances[i] = Inflated(covariances[i], i, system);
       if (system.by_calibration.empty()) continue;
       covariances[i] +=
           system.by_calibration[i] * of_calibration * system.by_calibration[i].transpose();
     }
     return covariances;
+  }
+
+  std::vector<std::optional<Matrix6d>> InflatedLinks(const CameraSystemResult& system) const {
+    std::vector<std::optional<Matrix6d>> links = system.link_covariances;
+    for (std::size_t i = 0; i < links.size(); ++i) {
+      if (links[i]) links[i] = Inflated(*links[i], i, system);
+    }
+    return links;
   }
 
   // That of the rig file, as the images find it.
@@ -248,6 +261,7 @@ class Adjuster {
     result.prior_factor = prior.sigmas(kLogFocal) / prior_.sigmas(kLogFocal);
     const CalibrationMatrix of_calibration = ErrorOfCalibration(system, prior);
     result.covariances = InflatedCovariances(system, of_calibration);
+    result.link_covariances = InflatedLinks(system);
     result.by_calibration = std::move(system.by_calibration);
     result.calibration_covariance = of_calibration;
     if (system.scale) {

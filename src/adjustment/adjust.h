@@ -23,6 +23,8 @@ struct AdjustmentInput {
   // Frames, rising, from which on no point ties frames to those before them: they lie to each other
   // as their starting poses say.
   std::vector<int> apart;
+  // Per frame, another against which its motion is of interest (Adjustment::link_covariances).
+  std::vector<int> references;
 };
 
 // In rounds: triangulates all tracks on the poses as they stand, adjusts poses and points together

@@ -4,12 +4,14 @@
 
 #include <Eigen/SparseCholesky>
 #include <algorithm>
+#include <functional>
 #include <map>
 #include <memory>
 
 #include "adjustment/calibration.h"
 #include "adjustment/internal/calibration_blocks.h"
 #include "adjustment/internal/selected_inverse.h"
+#include "geometry/carried_covariance.h"
 
 namespace rigmap {
 namespace {
@@ -54,7 +56,7 @@ Matrix6d LeftFromPerturbation(const Rigid3& left_from_world) {
 // Worked out for up to kProbes frames spread over the part, so that time stays linear in its
 // length; the others take the last one's.
 std::vector<Vector6d> Inflations(const ReducedSystem& system, const Factor& factor,
-                                 const std::vector<Matrix6d>& inverse, const Poses& poses) {
+                                 const SelectedInverse& inverse, const Poses& poses) {
   constexpr int kProbes = 60;
   const int stride = (system.unknowns + kProbes - 1) / kProbes;
   std::vector<std::size_t> frames;  // of which the pose is unknown
@@ -69,7 +71,7 @@ std::vector<Vector6d> Inflations(const ReducedSystem& system, const Factor& fact
     Eigen::MatrixXd unit = Eigen::MatrixXd::Zero(6 * system.unknowns, 6);
     unit.middleRows<6>(6 * unknown).setIdentity();
     const Matrix6d jacobian = LeftFromPerturbation(*poses[frame]);
-    const Matrix6d assumed = jacobian * inverse[unknown] * jacobian.transpose(),
+    const Matrix6d assumed = jacobian * inverse.Block(unknown, unknown) * jacobian.transpose(),
                    found = jacobian * system.clusters.Covariance(factor.solve(unit)) *
                            jacobian.transpose() / system.Redundancy();
     probed[probe] = (found.diagonal().array() / assumed.diagonal().array()).sqrt().max(1.0);
@@ -164,15 +166,59 @@ std::optional<ScaleKnowledge> SolveScale(const ReducedSystem& system, const Fact
   return scale;
 }
 
-void SetCovariances(const ReducedSystem& system, const Factor& factor, const Poses& poses,
-                    CameraSystemResult& result) {
-  const std::vector<Matrix6d> inverse = InverseDiagonalBlocks(factor);
-  for (std::size_t frame = 0; frame < poses.size(); ++frame) {
-    if (!system.IsUnknown(frame)) continue;
-    const Matrix6d jacobian = WorldFromPerturbation(*poses[frame]);
-    result.covariances[frame] = jacobian * inverse[system.unknown[frame]] * jacobian.transpose();
+// Of the poses of two frames together, in world axes; zero for those that are held.
+class PoseCovariances {
+ public:
+  PoseCovariances(const ReducedSystem& system, const Factor& factor, const Poses& poses)
+      : system_(system), factor_(factor), poses_(poses), inverse_(factor) {}
+
+  const SelectedInverse& Inverse() const { return inverse_; }
+
+  Matrix6d Of(std::size_t a, std::size_t b) const {
+    if (!system_.IsUnknown(a) || !system_.IsUnknown(b)) return Matrix6d::Zero();
+    return WorldFromPerturbation(*poses_[a]) * Block(system_.unknown[a], system_.unknown[b]) *
+           WorldFromPerturbation(*poses_[b]).transpose();
   }
-  result.inflations = Inflations(system, factor, inverse, poses);
+
+  Matrix6d OfMotion(std::size_t from, std::size_t to) const {
+    const Matrix6d carry = CarryMatrix(poses_[from]->Inverse(), poses_[to]->Inverse());
+    const Matrix6d shared = Of(to, from) * carry.transpose();
+    return Of(to, to) - shared - shared.transpose() + carry * Of(from, from) * carry.transpose();
+  }
+
+ private:
+  Matrix6d Block(int row, int column) const {
+    if (system_.blocks.contains(std::minmax(row, column, std::greater()))) {
+      return inverse_.Block(row, column);
+    }
+    // The two share no points.
+    Eigen::MatrixXd unit = Eigen::MatrixXd::Zero(6 * system_.unknowns, 6);
+    unit.middleRows<6>(6 * column).setIdentity();
+    return factor_.solve(unit).middleRows<6>(6 * row);
+  }
+
+  const ReducedSystem& system_;
+  const Factor& factor_;
+  const Poses& poses_;
+  SelectedInverse inverse_;
+};
+
+void SetCovariances(const ReducedSystem& system, const Factor& factor, const Poses& poses,
+                    const std::vector<int>& references, CameraSystemResult& result) {
+  const PoseCovariances covariances(system, factor, poses);
+  for (std::size_t frame = 0; frame < poses.size(); ++frame) {
+    if (system.IsUnknown(frame)) result.covariances[frame] = covariances.Of(frame, frame);
+  }
+  result.inflations = Inflations(system, factor, covariances.Inverse(), poses);
+  result.link_covariances.resize(poses.size());
+  for (std::size_t frame = 0; frame < references.size(); ++frame) {
+    const auto reference = static_cast<std::size_t>(references[frame]);
+    if (reference == frame || !poses[frame] || !poses[reference] ||
+        system.datum_frames[frame] != system.datum_frames[reference]) {
+      continue;
+    }
+    result.link_covariances[frame] = covariances.OfMotion(reference, frame);
+  }
 }
 
 }  // namespace
@@ -191,7 +237,7 @@ std::optional<CalibrationSolution> SolveCalibration(const Linearisation& at) {
   return factor ? SolveBorder(system, *factor, at) : std::nullopt;
 }
 
-CameraSystemResult SolveCameraSystem(const Linearisation& at) {
+CameraSystemResult SolveCameraSystem(const Linearisation& at, const std::vector<int>& references) {
   const Poses& poses = at.left_from_world;
   const ReducedSystem system = AssembleReducedSystem(at);
   CameraSystemResult result;
@@ -207,7 +253,7 @@ CameraSystemResult SolveCameraSystem(const Linearisation& at) {
     }
     return result;
   }
-  SetCovariances(system, *factor, poses, result);
+  SetCovariances(system, *factor, poses, references, result);
   auto solution = SolveBorder(system, *factor, at);
   if (!solution) return result;
   result.by_calibration.assign(poses.size(), PoseCalibration::Zero());

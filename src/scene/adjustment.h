@@ -43,8 +43,13 @@ struct Adjustment {
   // (m), then rotation (rad). Inflated for correlated residuals and for a corrected rig. Empty
   // where nothing is known of them, as for poses that only COLMAP has adjusted.
   std::vector<Matrix6d> covariances;
-  // What of these all frames share: by how much an error of the calibration moves the same poses,
-  // and that error's covariance. Empty where the images say nothing of the calibration.
+  // Of each frame's motion against its reference (AdjustmentInput), as the noise of the images
+  // leaves it, about the same axes: poses far from their datum err together, so that the
+  // covariances of two neighbours say next to nothing of the motion between them. Nothing where not
+  // asked for.
+  std::vector<std::optional<Matrix6d>> link_covariances;
+  // What of the covariances all frames share: by how much an error of the calibration moves the
+  // same poses, and that error's covariance. Empty where the images say nothing of the calibration.
   std::vector<PoseCalibration> by_calibration;
   CalibrationMatrix calibration_covariance = CalibrationMatrix::Zero();
   std::vector<AdjustedPoint> points;
@@ -80,11 +85,11 @@ struct Adjustment {
 
   template <class Archive>
   void serialize(Archive& archive) {
-    archive(world_from_left, datum_frames, covariances, by_calibration, calibration_covariance,
-            points, rig, refined, rig_correction, rig_correction_sigmas, prior_factor,
-            correction_px, correction_prior_sigmas, infinity_offset_px, infinity_offset_sigma_px,
-            scale_sigma, scale_sigma_of_noise, noise_px, reprojection_px, outlier_share,
-            calibration, calibration_inflation);
+    archive(world_from_left, datum_frames, covariances, link_covariances, by_calibration,
+            calibration_covariance, points, rig, refined, rig_correction, rig_correction_sigmas,
+            prior_factor, correction_px, correction_prior_sigmas, infinity_offset_px,
+            infinity_offset_sigma_px, scale_sigma, scale_sigma_of_noise, noise_px, reprojection_px,
+            outlier_share, calibration, calibration_inflation);
   }
 };
 

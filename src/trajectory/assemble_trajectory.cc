@@ -4,7 +4,7 @@
 #include <Eigen/LU>
 #include <limits>
 
-#include "trajectory/internal/carried_covariance.h"
+#include "geometry/carried_covariance.h"
 #include "trajectory/starting_poses.h"
 
 namespace rigmap {

@@ -3,18 +3,10 @@
 #include <Eigen/LU>
 #include <cmath>
 
-#include "trajectory/internal/carried_covariance.h"
+#include "geometry/carried_covariance.h"
 
 namespace rigmap {
 namespace {
-
-// Of the noise alone: calibration errs on both sides of a link alike.
-Matrix6d NoiseOf(int frame, const Adjustment& adjustment) {
-  const Matrix6d& all = adjustment.covariances[frame];
-  if (adjustment.by_calibration.empty()) return all;
-  const auto& by_calibration = adjustment.by_calibration[frame];
-  return all - by_calibration * adjustment.calibration_covariance * by_calibration.transpose();
-}
 
 // Of a frame that images or sensors posed against one before it, in the same group of adjusted
 // frames.
@@ -23,9 +15,8 @@ bool IsWeak(int frame, const Odometry& odometry, const Adjustment& adjustment) {
   const int reference = odometry[frame].reference;
   const Rigid3 &from = *adjustment.world_from_left[reference],
                &to = *adjustment.world_from_left[frame];
-  const Matrix6d carry = CarryMatrix(from, to);
-  const Matrix6d adjusted = NoiseOf(frame, adjustment) -
-                            carry * NoiseOf(reference, adjustment) * carry.transpose(),
+  // Of the noise alone: calibration errs on both sides of a link alike.
+  const Matrix6d &adjusted = *adjustment.link_covariances[frame],
                  odometric = Turned(odometry[frame].step_covariance, to);
   const auto variance = [](const Matrix6d& covariance) {
     return covariance.topLeftCorner<3, 3>().trace();
@@ -41,13 +32,12 @@ bool IsWeak(int frame, const Odometry& odometry, const Adjustment& adjustment) {
 
 std::vector<int> WeakLinks(const Odometry& odometry, const Adjustment& adjustment) {
   std::vector<int> weak;
-  if (adjustment.covariances.empty()) return weak;
+  if (adjustment.link_covariances.empty()) return weak;
   const int count = static_cast<int>(odometry.size());
   const auto is_tied = [&](int i) {
     const int reference = odometry[i].reference;
     return reference < i && odometry[i].source == PoseSource::kOdometry &&
-           adjustment.world_from_left[i] && adjustment.world_from_left[reference] &&
-           adjustment.datum_frames[i] == adjustment.datum_frames[reference];
+           adjustment.link_covariances[i].has_value();
   };
   std::vector<bool> is_weak(odometry.size(), false);
   for (int i = 0; i < count; ++i) is_weak[i] = is_tied(i) && IsWeak(i, odometry, adjustment);

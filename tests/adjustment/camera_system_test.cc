@@ -56,6 +56,15 @@ Eigen::MatrixXd DenseNormalMatrix(const std::vector<AdjustedPoint>& points,
   return normal;
 }
 
+constexpr double kStep = 1e-6;  // m or rad, for differences
+
+// By one step of the perturbation (rotation, translation) that poses are solved for.
+Rigid3 Moved(const Rigid3& left_from_world, int axis) {
+  const Vector6d delta = kStep * Vector6d::Unit(axis);
+  return {ExpRotation(delta.head<3>()) * left_from_world.rotation,
+          left_from_world.translation + delta.tail<3>()};
+}
+
 TEST_F(CameraSystemTest, CovariancesAreThoseOfTheWholeSystem) {
   Make({.frames = 4, .points_per_m2 = 1.5, .seed = 51});
   ASSERT_GT(points_.size(), 25u);
@@ -71,16 +80,42 @@ TEST_F(CameraSystemTest, CovariancesAreThoseOfTheWholeSystem) {
     // From a perturbation of left_from_world to one of world_from_left, by differences.
     Matrix6d jacobian;
     for (int axis = 0; axis < 6; ++axis) {
-      constexpr double kStep = 1e-6;
-      Rigid3 moved = *left_from_world_[frame];
-      const Vector6d delta = kStep * Vector6d::Unit(axis);
-      moved.rotation = ExpRotation(delta.head<3>()) * moved.rotation;
-      moved.translation += delta.tail<3>();
-      jacobian.col(axis) = ErrorOf(moved.Inverse(), left_from_world_[frame]->Inverse()) / kStep;
+      const Rigid3& pose = *left_from_world_[frame];
+      jacobian.col(axis) = ErrorOf(Moved(pose, axis).Inverse(), pose.Inverse()) / kStep;
     }
     const Matrix6d block = covariance.block<6, 6>(6 * (frame - 1), 6 * (frame - 1));
     const Matrix6d expected = jacobian * block * jacobian.transpose();
     EXPECT_LT((result.covariances[frame] - expected).norm(), 1e-4 * expected.norm());
+  }
+}
+
+TEST_F(CameraSystemTest, LinksAreThoseOfTheWholeSystem) {
+  Make({.frames = 9, .points_per_m2 = 1.5, .seed = 51});
+  const std::vector<int> references{0, 0, 1, 2, 3, 3, 5, 6, 1};  // the last shares no points
+  const double noise_px = 0.3;
+  const Eigen::MatrixXd normal = DenseNormalMatrix(points_, left_from_world_, rover_.rig);
+  const Eigen::MatrixXd covariance =
+      noise_px * noise_px *
+      normal.ldlt().solve(Eigen::MatrixXd::Identity(normal.rows(), normal.cols()));
+  const CameraSystemResult result =
+      SolveCameraSystem({points_, left_from_world_, rover_.rig, noise_px, kNoHuber_px}, references);
+  ASSERT_EQ(result.link_covariances.size(), 9u);
+  EXPECT_FALSE(result.link_covariances[0]);
+  for (int frame = 1; frame < 9; ++frame) {
+    const Rigid3 &to = *left_from_world_[frame], &from = *left_from_world_[references[frame]];
+    // Where the motion from the reference takes the frame, against where it is.
+    Eigen::Matrix<double, 6, Eigen::Dynamic> jacobian =
+        Eigen::Matrix<double, 6, Eigen::Dynamic>::Zero(6, normal.cols());
+    for (int axis = 0; axis < 6; ++axis) {
+      jacobian.col(6 * (frame - 1) + axis) =
+          ErrorOf(Moved(to, axis).Inverse(), to.Inverse()) / kStep;
+      if (references[frame] == 0) continue;
+      const Rigid3 carried = Moved(from, axis).Inverse() * from * to.Inverse();
+      jacobian.col(6 * (references[frame] - 1) + axis) = -ErrorOf(carried, to.Inverse()) / kStep;
+    }
+    const Matrix6d expected = jacobian * covariance * jacobian.transpose();
+    ASSERT_TRUE(result.link_covariances[frame]) << frame;
+    EXPECT_LT((*result.link_covariances[frame] - expected).norm(), 1e-4 * expected.norm()) << frame;
   }
 }
 
@@ -104,13 +139,8 @@ TEST_F(CameraSystemTest, ScaleIsThatOfASimilarityAlignment) {
     const Eigen::Vector3d arm = positions[frame] - mean;
     squares += arm.squaredNorm();
     for (int axis = 0; axis < 6 && frame > 0; ++axis) {
-      constexpr double kStep = 1e-6;
-      Rigid3 moved = *left_from_world_[frame];
-      const Vector6d delta = kStep * Vector6d::Unit(axis);
-      moved.rotation = ExpRotation(delta.head<3>()) * moved.rotation;
-      moved.translation += delta.tail<3>();
-      functional(6 * (frame - 1) + axis) =
-          arm.dot(moved.Inverse().translation - positions[frame]) / kStep;
+      const Rigid3 moved = Moved(*left_from_world_[frame], axis).Inverse();
+      functional(6 * (frame - 1) + axis) = arm.dot(moved.translation - positions[frame]) / kStep;
     }
   }
   functional /= squares;

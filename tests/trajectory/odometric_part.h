@@ -54,6 +54,11 @@ struct Part {
     adjustment.covariances[frame] = covariance;
     adjustment.datum_frames[frame] = datum_frame;
   }
+  // How well the adjustment tells each frame's motion from its reference.
+  void TellLinks(const Matrix6d& covariance) {
+    adjustment.link_covariances.assign(odometry.size(), covariance);
+    adjustment.link_covariances[0].reset();
+  }
   // Frames first to end - 1 were not measured; the one behind was, across the gap.
   void Predict(int first, int end) {
     for (int i = first; i < end; ++i) odometry[i].source = PoseSource::kPredicted;

@@ -12,13 +12,15 @@ using testing::IsEmpty;
 
 constexpr double kTight_m = 0.002, kWeak_m = 0.1, kRotation_rad = 1e-4;
 
-// All frames adjusted where the odometry has them; those from `weak` on known to 10 cm, if any.
+// All frames adjusted where the odometry has them, each known to 2 mm against the one before; but
+// for `weak`, which is known to 10 cm.
 Part AdjustedPart(int frames, int weak) {
   Part part(frames);
   for (int i = 1; i < frames; ++i) {
-    const double sigma_m = i >= weak ? kWeak_m : kTight_m;
-    part.Adjust(i, part.odometry[i].world_from_left, Diagonal(sigma_m, kRotation_rad));
+    part.Adjust(i, part.odometry[i].world_from_left, Diagonal(kWeak_m, kRotation_rad));
   }
+  part.TellLinks(Diagonal(kTight_m, kRotation_rad));
+  if (weak < frames) part.adjustment.link_covariances[weak] = Diagonal(kWeak_m, kRotation_rad);
   return part;
 }
 
@@ -34,19 +36,6 @@ TEST(WeakLinks, AreNoneWhereTheAdjustmentKnowsAsMuch) {
   EXPECT_THAT(WeakLinks(part.odometry, part.adjustment), IsEmpty());
 }
 
-// What calibration leaves unknown of the metres grows along the way and is no fault of a link.
-TEST(WeakLinks, DoNotCountWhatTheCalibrationLeavesUnknown) {
-  Part part = AdjustedPart(6, 6);
-  part.adjustment.by_calibration.assign(6, PoseCalibration::Zero());
-  part.adjustment.calibration_covariance = CalibrationMatrix::Identity();
-  for (int i = 1; i < 6; ++i) {
-    PoseCalibration& by_calibration = part.adjustment.by_calibration[i];
-    by_calibration(2, 0) = i >= 3 ? 0.2 : 0.1;
-    part.adjustment.covariances[i] += by_calibration * by_calibration.transpose();
-  }
-  EXPECT_THAT(WeakLinks(part.odometry, part.adjustment), IsEmpty());
-}
-
 TEST(WeakLinks, AreNotCutWhereBothContradictEachOther) {
   Part part = AdjustedPart(6, 3);
   for (int i = 3; i < 6; ++i) {
@@ -59,18 +48,15 @@ TEST(WeakLinks, AreNotCutWhereBothContradictEachOther) {
 TEST(WeakLinks, AreNotCutWhereAnotherFrameTiesBothSides) {
   Part part = AdjustedPart(6, 3);
   part.odometry[4].reference = 2;
-  for (const int i : {4, 5}) {
-    part.Adjust(i, part.odometry[i].world_from_left, Diagonal(kTight_m, kRotation_rad));
-  }
   EXPECT_THAT(WeakLinks(part.odometry, part.adjustment), IsEmpty());
 }
 
 TEST(WeakLinks, AreNoneBetweenGroupsOrWithoutSigmas) {
   Part part = AdjustedPart(6, 3);
-  for (int i = 3; i < 6; ++i) part.adjustment.datum_frames[i] = 3;
+  part.adjustment.link_covariances[3].reset();
   EXPECT_THAT(WeakLinks(part.odometry, part.adjustment), IsEmpty());
   part = AdjustedPart(6, 3);
-  part.adjustment.covariances.clear();
+  part.adjustment.link_covariances.clear();
   EXPECT_THAT(WeakLinks(part.odometry, part.adjustment), IsEmpty());
 }
 

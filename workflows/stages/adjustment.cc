@@ -24,6 +24,12 @@ namespace {
 
 const std::vector<std::string> kRigOutputs{"calibration.json", "rig_refined.yaml"};
 
+std::vector<int> ReferencesOf(const Odometry& steps) {
+  std::vector<int> references;
+  for (const OdometryFrame& frame : steps) references.push_back(frame.reference);
+  return references;
+}
+
 struct Adjuster {
   const Dataset& dataset;
   const FeatureStore& features;
@@ -72,13 +78,14 @@ struct Adjuster {
                     RigRefinement refined, const CalibrationVector& correction) const {
     auto starting =
         RelaxPoses(StartingPoses(motions.steps, start), motions.steps, motions.loop_closures);
-    Adjustment adjustment =
-        AdjustBundle({matches, dataset.rig, starting, refined, correction, {}}, options);
+    const std::vector<int> references = ReferencesOf(motions.steps);
+    Adjustment adjustment = AdjustBundle(
+        {matches, dataset.rig, starting, refined, correction, {}, references}, options);
     const std::vector<int> apart = WeakLinks(motions.steps, adjustment);
     if (!apart.empty()) {
       starting = RelaxPoses(StartingPoses(motions.steps, {}), motions.steps, {});
-      adjustment =
-          AdjustBundle({matches, dataset.rig, starting, refined, correction, apart}, options);
+      adjustment = AdjustBundle(
+          {matches, dataset.rig, starting, refined, correction, apart, references}, options);
     }
     CarryGroupsAlong(starting, adjustment);
     AdjustedPart part = LayInWorld(dataset, motions.steps, std::move(adjustment));

@@ -26,6 +26,9 @@ struct CameraSystemResult {
   // translation (m), then rotation (rad). Zero for datum frames; 1e6 on the diagonal where the
   // system is singular. As if all observations were independent.
   std::vector<Matrix6d> covariances;
+  // Per frame, of its motion against its reference, in the same axes; nothing for frames without
+  // one in their group. Empty where the system is singular.
+  std::vector<std::optional<Matrix6d>> link_covariances;
   // Covariance inflation per frame: the factor on its sigmas, along and about the left camera's
   // axes, because residuals of one track are correlated (ScoreClusters). At least 1. Noise that all
   // observations of a frame share leaves no trace in the residuals and is not in it.
@@ -41,8 +44,9 @@ struct CameraSystemResult {
 
 // Linearises all observations at the adjusted state, eliminates the points and factorises the rest,
 // a sparse block matrix over frames. Time and memory are linear in the length of a part without
-// long loops.
-CameraSystemResult SolveCameraSystem(const Linearisation& at);
+// long loops. `references`: per frame, another one; none if empty.
+CameraSystemResult SolveCameraSystem(const Linearisation& at,
+                                     const std::vector<int>& references = {});
 
 // What a step of the calibration takes: less by far than all that SolveCameraSystem finds.
 struct CalibrationSolution {

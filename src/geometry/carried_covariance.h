@@ -1,4 +1,4 @@
-// How covariances of poses go from one pose to another. Of this room only.
+// How covariances of poses go from one pose to another.
 #pragma once
 
 #include "geometry/rigid3.h"
