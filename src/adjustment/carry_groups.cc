@@ -28,6 +28,10 @@ void CarryGroupsAlong(const std::vector<std::optional<Rigid3>>& start, Adjustmen
     Matrix6d turn = Matrix6d::Zero();
     turn.topLeftCorner<3, 3>() = turn.bottomRightCorner<3, 3>() = move.rotation.toRotationMatrix();
     adjustment.covariances[i] = turn * adjustment.covariances[i] * turn.transpose();
+    if (i < static_cast<int>(adjustment.link_covariances.size()) &&
+        adjustment.link_covariances[i]) {
+      adjustment.link_covariances[i] = turn * *adjustment.link_covariances[i] * turn.transpose();
+    }
     if (adjustment.by_calibration.empty()) continue;
     adjustment.by_calibration[i] = turn * adjustment.by_calibration[i];
   }

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "correspondence/patch_alignment.h"
 #include "features/internal/grey_pair.h"
 #include "features/keypoints.h"
 #include "features/stereo_matches.h"
@@ -31,10 +30,7 @@ Patch CutPatch(const cv::Mat& grey, const Eigen::Vector2d& centre) {
 
 FeatureSetup MakeFeatureSetup(const StereoRig& rig, const FeatureOptions& options,
                               const MaskOptions& mask_options) {
-  FeatureSetup setup{rig, StaticMask(rig.left), StaticMask(rig.right), options, mask_options};
-  // Glare rests in the image: a window that reaches into it is drawn towards where it rests.
-  setup.mask_options.saturation_margin_px += PatchAlignmentOptions().radius_px;
-  return setup;
+  return {rig, StaticMask(rig.left), StaticMask(rig.right), options, mask_options};
 }
 
 FrameFeatures ExtractFeatures(const StereoFrame& frame, const FeatureSetup& setup) {

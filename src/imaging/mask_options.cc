@@ -15,7 +15,7 @@ OptionFields MaskOptions::Fields() {
        "any."},
       {"saturation_margin_px", &saturation_margin_px, "px", AtLeast(0.0),
        "Margin around a clipped area that is left out with it: blooming and sharpening move its "
-       "edges by about 2 px. Features keep half a window of 13 px farther off."},
+       "edges by about 2 px."},
       {"sky",
        &sky,
        "",

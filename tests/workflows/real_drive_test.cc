@@ -2,9 +2,11 @@
 // where RIGMAP_DATA says.
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "core/file.h"
 #include "evaluation/trajectory_metrics.h"
@@ -60,6 +62,25 @@ TEST_F(RealDrive, InASandYardMendsItsWrongRigFile) {
   EXPECT_NEAR(metrics["scale_truth_over_est"], 1.0, 0.01 * std::min(0.6, stated + 0.25));
 }
 
+// Every other pair of a stereo folder.
+void Thin(const fs::path& from, const fs::path& to) {
+  std::istringstream lines(ReadTextFile(from / "times.txt"));
+  std::string line, kept;
+  for (int i = 0; std::getline(lines, line); ++i) {
+    if (i % 2 == 0) kept += line + "\n";
+  }
+  for (const char* eye : {"left", "right"}) {
+    std::vector<fs::path> images(fs::directory_iterator(from / eye), fs::directory_iterator{});
+    std::ranges::sort(images);
+    fs::create_directories(to / eye);
+    for (std::size_t i = 0; i < images.size(); i += 2) {
+      fs::copy_file(images[i], to / eye / images[i].filename());
+    }
+  }
+  std::ofstream(to / "times.txt") << kept;
+  fs::copy_file(from / "calib.yaml", to / "calib.yaml");
+}
+
 // No video: keyframes metres and seconds apart.
 TEST_F(RealDrive, OfSparseKeyframesInARoomIsMetric) {
   const ProgramEnd end = Run("euroc-room");
@@ -70,6 +91,21 @@ TEST_F(RealDrive, OfSparseKeyframesInARoomIsMetric) {
   EXPECT_LE(100.0 * metrics.aligned->ate_se3_m / metrics.true_path_m, 0.06);
   const double stated = Summary()["verdict"]["scale_95_pct"];
   EXPECT_NEAR(*metrics.aligned->scale, 1.0, 0.01 * (stated + 1.0));  // and a per cent of baseline
+}
+
+// Of these every other one. The odometry loses its way before frames 12 and 19: what lies behind
+// hangs on loop closures, which go across a link that the odometry knows better than the
+// adjustment.
+TEST_F(RealDrive, OfEveryOtherKeyframeInARoomLosesNone) {
+  const fs::path thinned = folder_.Path() / "thinned";
+  Thin(data_ / "euroc-room", thinned);
+  const ProgramEnd end = Run(thinned.string());
+  EXPECT_EQ(end.exit_code, 0) << end.err;
+  EXPECT_EQ(Summary()["frames"]["posed"], 25);
+  const auto metrics =
+      CompareTrajectories(Poses(), ReadTum(data_ / "euroc-room" / "groundtruth_tum.txt"));
+  ASSERT_TRUE(metrics.aligned);
+  EXPECT_LE(100.0 * metrics.aligned->ate_se3_m / metrics.true_path_m, 0.08);
 }
 
 // Held by hand over flagstones and leaves, 320 x 240, distorted. Another program's odometry is the

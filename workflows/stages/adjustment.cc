@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <numbers>
+#include <utility>
 
 #include "adjustment/carry_groups.h"
 #include "matching/loop_closures_by_rig.h"
@@ -28,6 +29,22 @@ std::vector<int> ReferencesOf(const Odometry& steps) {
   std::vector<int> references;
   for (const OdometryFrame& frame : steps) references.push_back(frame.reference);
   return references;
+}
+
+// Those that go across none of these frames, which rise.
+std::vector<LoopClosure> ClosuresWithin(const std::vector<int>& apart,
+                                        std::vector<LoopClosure> loop_closures) {
+  const auto side = [&](int frame) { return std::ranges::upper_bound(apart, frame); };
+  std::erase_if(loop_closures, [&](const auto& c) { return side(c.a) != side(c.b); });
+  return loop_closures;
+}
+
+std::size_t GroupCount(const Adjustment& adjustment) {
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < adjustment.datum_frames.size(); ++i) {
+    count += adjustment.world_from_left[i] && adjustment.datum_frames[i] == static_cast<int>(i);
+  }
+  return count;
 }
 
 struct Adjuster {
@@ -78,14 +95,25 @@ struct Adjuster {
                     RigRefinement refined, const CalibrationVector& correction) const {
     auto starting =
         RelaxPoses(StartingPoses(motions.steps, start), motions.steps, motions.loop_closures);
-    const std::vector<int> references = ReferencesOf(motions.steps);
-    Adjustment adjustment = AdjustBundle(
-        {matches, dataset.rig, starting, refined, correction, {}, references}, options);
-    const std::vector<int> apart = WeakLinks(motions.steps, adjustment);
+    const auto adjusted = [&](const std::vector<int>& apart) {
+      return AdjustBundle(
+          {matches, dataset.rig, starting, refined, correction, apart, ReferencesOf(motions.steps)},
+          options);
+    };
+    Adjustment adjustment = adjusted({});
+    std::vector<int> apart = WeakLinks(motions.steps, adjustment);
     if (!apart.empty()) {
-      starting = RelaxPoses(StartingPoses(motions.steps, {}), motions.steps, {});
-      adjustment = AdjustBundle(
-          {matches, dataset.rig, starting, refined, correction, apart, references}, options);
+      const auto before =
+          std::exchange(starting, RelaxPoses(StartingPoses(motions.steps, {}), motions.steps,
+                                             ClosuresWithin(apart, motions.loop_closures)));
+      Adjustment cut = adjusted(apart);
+      // What else falls apart was tied across: the little that ties is then more than nothing.
+      if (GroupCount(cut) <= GroupCount(adjustment) + apart.size()) {
+        adjustment = std::move(cut);
+      } else {
+        starting = before;
+        apart.clear();
+      }
     }
     CarryGroupsAlong(starting, adjustment);
     AdjustedPart part = LayInWorld(dataset, motions.steps, std::move(adjustment));
