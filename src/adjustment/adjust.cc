@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <map>
 
 #include "adjustment/calibration.h"
 #include "adjustment/calibration_prior.h"
@@ -38,26 +37,12 @@ std::size_t ObservationCount(const std::vector<AdjustedPoint>& points) {
   return count;
 }
 
-// Tracks of their own on each side of these frames, which rise.
-std::vector<Track> CutBefore(const std::vector<int>& frames, std::vector<Track> tracks) {
-  if (frames.empty()) return tracks;
-  std::vector<Track> cut;
-  for (const Track& track : tracks) {
-    std::map<std::ptrdiff_t, Track> by_side;
-    for (const auto& element : track) {
-      by_side[std::ranges::upper_bound(frames, element.frame) - frames.begin()].push_back(element);
-    }
-    for (auto& [side, part] : by_side) cut.push_back(std::move(part));
-  }
-  return cut;
-}
-
 class Adjuster {
  public:
   Adjuster(const AdjustmentInput& input, const AdjustmentOptions& options)
       : input_(input),
         options_(options),
-        tracks_(CutBefore(input.apart, BuildTracks(input.correspondences, false))),
+        tracks_(CutTracks(BuildTracks(input.correspondences, false), input.apart)),
         bundle_{.rig = Corrected(input.rig, input.correction)},
         prior_(PriorOf(input.rig, options)),
         refined_(input.refined),

@@ -1,6 +1,7 @@
 #include "correspondence/tracks.h"
 
 #include <algorithm>
+#include <map>
 
 #include "core/disjoint_sets.h"
 
@@ -70,6 +71,19 @@ std::vector<Track> BuildTracks(const Correspondences& correspondences, bool with
     tracks.push_back(members);
   }
   return tracks;
+}
+
+std::vector<Track> CutTracks(std::vector<Track> tracks, const std::vector<int>& frames) {
+  if (frames.empty()) return tracks;
+  std::vector<Track> cut;
+  for (const Track& track : tracks) {
+    std::map<std::ptrdiff_t, Track> by_side;
+    for (const auto& element : track) {
+      by_side[std::ranges::upper_bound(frames, element.frame) - frames.begin()].push_back(element);
+    }
+    for (auto& [side, part] : by_side) cut.push_back(std::move(part));
+  }
+  return cut;
 }
 
 }  // namespace rigmap

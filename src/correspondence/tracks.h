@@ -13,4 +13,7 @@ namespace rigmap {
 // `with_single_frames`. Deterministic; nearly linear in the number of matches.
 std::vector<Track> BuildTracks(const Correspondences& correspondences, bool with_single_frames);
 
+// Cut before each of these frames, which rise: a track for each side that one has elements on.
+std::vector<Track> CutTracks(std::vector<Track> tracks, const std::vector<int>& frames);
+
 }  // namespace rigmap

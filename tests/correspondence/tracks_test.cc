@@ -56,6 +56,15 @@ TEST(BuildTracks, SingleFramesNeedAStereoMatch) {
   EXPECT_THAT(BuildTracks(given, false), UnorderedElementsAre(Track{{0, 0}, {1, 1}}));
 }
 
+TEST(CutTracks, LeavesATrackForEachSide) {
+  const std::vector<Track> tracks{
+      {{0, 3}, {1, 4}, {2, 5}, {4, 6}}, {{0, 7}, {1, 8}}, {{3, 9}, {0, 1}}};
+  EXPECT_THAT(CutTracks(tracks, {2, 4}),
+              UnorderedElementsAre(Track{{0, 3}, {1, 4}}, Track{{2, 5}}, Track{{4, 6}},
+                                   Track{{0, 7}, {1, 8}}, Track{{3, 9}}, Track{{0, 1}}));
+  EXPECT_EQ(CutTracks(tracks, {}), tracks);
+}
+
 TEST(BuildTracks, NothingFromNothing) {
   EXPECT_TRUE(BuildTracks({}, true).empty());
   EXPECT_TRUE(BuildTracks(Frames(3, 0), true).empty());

@@ -23,6 +23,8 @@
 namespace rigmap {
 namespace {
 
+using Poses = std::vector<std::optional<Rigid3>>;  // world_from_left
+
 const std::vector<std::string> kRigOutputs{"calibration.json", "rig_refined.yaml"};
 
 std::vector<int> ReferencesOf(const Odometry& steps) {
@@ -52,7 +54,7 @@ struct Adjuster {
   const FeatureStore& features;
   const Odometry& odometry;
   const Correspondences& matches;
-  std::vector<std::optional<Rigid3>> mapped;  // world_from_left of the frames that COLMAP posed
+  Poses mapped;  // of the frames that COLMAP posed
   Gates of_mapping;
   const MatchingOptions& matching;
   const AdjustmentOptions& options;
@@ -60,7 +62,7 @@ struct Adjuster {
   const AdjustmentGateOptions& gates;
 
   AdjustedPart From(StartingFrom from) const {
-    return From(from == StartingFrom::kMapping ? mapped : std::vector<std::optional<Rigid3>>(),
+    return From(from == StartingFrom::kMapping ? mapped : Poses(),
                 {odometry, matches.loop_closures}, RigRefinement::kNone, CalibrationVector::Zero());
   }
 
@@ -91,32 +93,37 @@ struct Adjuster {
     std::vector<LoopClosure> loop_closures;
   };
 
-  AdjustedPart From(const std::vector<std::optional<Rigid3>>& start, Motions motions,
-                    RigRefinement refined, const CalibrationVector& correction) const {
-    auto starting =
-        RelaxPoses(StartingPoses(motions.steps, start), motions.steps, motions.loop_closures);
-    const auto adjusted = [&](const std::vector<int>& apart) {
-      return AdjustBundle(
-          {matches, dataset.rig, starting, refined, correction, apart, ReferencesOf(motions.steps)},
-          options);
+  // Adjusted from these poses, which carry each side of the frames `apart` along.
+  struct Sides {
+    Poses starting;
+    std::vector<int> apart;
+    Adjustment adjustment;
+  };
+
+  AdjustedPart From(const Poses& start, Motions motions, RigRefinement refined,
+                    const CalibrationVector& correction) const {
+    const auto adjusted = [&](Poses starting, std::vector<int> apart) {
+      Sides sides{std::move(starting), std::move(apart), {}};
+      sides.adjustment = AdjustBundle({matches, dataset.rig, sides.starting, refined, correction,
+                                       sides.apart, ReferencesOf(motions.steps)},
+                                      options);
+      return sides;
     };
-    Adjustment adjustment = adjusted({});
-    std::vector<int> apart = WeakLinks(motions.steps, adjustment);
-    if (!apart.empty()) {
-      const auto before =
-          std::exchange(starting, RelaxPoses(StartingPoses(motions.steps, {}), motions.steps,
-                                             ClosuresWithin(apart, motions.loop_closures)));
-      Adjustment cut = adjusted(apart);
+    Sides best = adjusted(
+        RelaxPoses(StartingPoses(motions.steps, start), motions.steps, motions.loop_closures), {});
+    const std::vector<int> weak = WeakLinks(motions.steps, best.adjustment);
+    if (!weak.empty()) {
+      const auto within = ClosuresWithin(weak, motions.loop_closures);
+      Sides cut =
+          adjusted(RelaxPoses(StartingPoses(motions.steps, {}), motions.steps, within), weak);
       // What else falls apart was tied across: the little that ties is then more than nothing.
-      if (GroupCount(cut) <= GroupCount(adjustment) + apart.size()) {
-        adjustment = std::move(cut);
-      } else {
-        starting = before;
-        apart.clear();
-      }
+      const bool falls_apart =
+          GroupCount(cut.adjustment) > GroupCount(best.adjustment) + weak.size();
+      if (!falls_apart) best = std::move(cut);
     }
-    CarryGroupsAlong(starting, adjustment);
-    AdjustedPart part = LayInWorld(dataset, motions.steps, std::move(adjustment));
+    CarryGroupsAlong(best.starting, best.adjustment);
+    const std::vector<int>& apart = best.apart;
+    AdjustedPart part = LayInWorld(dataset, motions.steps, std::move(best.adjustment));
     part.loop_closures = std::move(motions.loop_closures);
     part.rests_on_mapping = !start.empty() && apart.empty();
     if (!apart.empty()) {
