@@ -36,6 +36,19 @@ TEST(WeakLinks, AreNoneWhereTheAdjustmentKnowsAsMuch) {
   EXPECT_THAT(WeakLinks(part.odometry, part.adjustment), IsEmpty());
 }
 
+// What calibration leaves unknown of the metres grows along the way and is no fault of a link.
+TEST(WeakLinks, DoNotCountWhatTheCalibrationLeavesUnknown) {
+  Part part = AdjustedPart(6, 6);
+  part.adjustment.by_calibration.assign(6, PoseCalibration::Zero());
+  part.adjustment.calibration_covariance = CalibrationMatrix::Identity();
+  for (int i = 1; i < 6; ++i) {
+    PoseCalibration& by_calibration = part.adjustment.by_calibration[i];
+    by_calibration(2, 0) = i >= 3 ? 0.2 : 0.1;
+    part.adjustment.covariances[i] += by_calibration * by_calibration.transpose();
+  }
+  EXPECT_THAT(WeakLinks(part.odometry, part.adjustment), IsEmpty());
+}
+
 TEST(WeakLinks, AreNotCutWhereBothContradictEachOther) {
   Part part = AdjustedPart(6, 3);
   for (int i = 3; i < 6; ++i) {
