@@ -4,26 +4,17 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <cmath>
 #include <cstring>
 #include <utility>
 
 #include "core/error.h"
+#include "raster/internal/surface_patch.h"
 
 namespace rigmap {
 namespace {
 
 constexpr int kTile = CellFrame::kTileCells;
 constexpr std::size_t kMaxWaiting = (std::size_t{32} << 20) / sizeof(BinnedPoint);
-
-std::array<std::int8_t, 3> Packed(const Eigen::Vector3f& normal) {
-  std::array<std::int8_t, 3> packed{};
-  if (!normal.allFinite()) return packed;
-  for (int i = 0; i < 3; ++i) {
-    packed[i] = static_cast<std::int8_t>(std::lround(127.0F * std::clamp(normal(i), -1.0F, 1.0F)));
-  }
-  return packed;
-}
 
 }  // namespace
 
@@ -45,21 +36,25 @@ std::size_t PointBins::TileIndex(int tile_column, int tile_row) const {
 }
 
 void PointBins::Add(const SurfacePoint& point) {
-  cells_.ForEach(point, [&](int column, int row) { AddAt(point, column, row); });
+  const bool is_coarse = point.grain_m > frame_.cell_m;
+  cells_.ForEach(point, [&](int column, int row) {
+    const double height_m =
+        is_coarse ? HeightAt(point, cells_.InWorld(column, row)) : point.x_in_world.z();
+    AddAt(SampleOf(point, height_m, frame_.cell_m), column, row);
+  });
   if (waiting_count_ >= kMaxWaiting) Flush();
 }
 
-void PointBins::AddAt(const SurfacePoint& point, int column, int row) {
+void PointBins::AddAt(const CellSample& sample, int column, int row) {
   const int first_column = std::max(column - margin_, 0) / kTile;
   const int last_column = std::min((column + margin_) / kTile, frame_.TilesAcross() - 1);
   const int first_row = std::max(row - margin_, 0) / kTile;
   const int last_row = std::min((row + margin_) / kTile, frame_.TilesDown() - 1);
   for (int r = first_row; r <= last_row; ++r) {
     for (int c = first_column; c <= last_column; ++c) {
-      waiting_[TileIndex(c, r)].push_back(
-          {point.x_in_world.z(), static_cast<std::uint16_t>(column - c * kTile + margin_),
-           static_cast<std::uint16_t>(row - r * kTile + margin_), point.rgb, point.observations,
-           PointQuality{point.sigma_m, Packed(point.normal)}});
+      waiting_[TileIndex(c, r)].push_back({static_cast<std::uint16_t>(column - c * kTile + margin_),
+                                           static_cast<std::uint16_t>(row - r * kTile + margin_),
+                                           sample});
       ++waiting_count_;
     }
   }

@@ -23,8 +23,8 @@ void PointCells::ForEach(const SurfacePoint& point,
   const int side = std::clamp(static_cast<int>(std::lround(point.grain_m / cell_m)), 1,
                               static_cast<int>(kMostCells));
   // Columns of the world to the east, rows to the north.
-  const std::int64_t west = TileAlong(point.x_in_world.x(), cell_m) - side / 2;
-  const std::int64_t south = TileAlong(point.x_in_world.y(), cell_m) + side / 2 - side + 1;
+  const std::int64_t west = side * TileAlong(point.x_in_world.x(), side * cell_m);
+  const std::int64_t south = side * TileAlong(point.x_in_world.y(), side * cell_m);
   const Eigen::Vector2d low =
       cell_m * Eigen::Vector2d(static_cast<double>(west), static_cast<double>(south));
   Eigen::AlignedBox2d box(low, low + Eigen::Vector2d::Constant(cell_m * side));

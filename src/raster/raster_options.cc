@@ -5,7 +5,7 @@ namespace rigmap {
 OptionFields RasterOptions::Fields() {
   return {
       {"max_hole_cells", &max_hole_cells, "cells", AtLeast(0).UpTo(100),
-       "Widest and longest hole that is filled. Three: a voxel that missed its few observations, "
+       "Widest hole that is filled, however long. Three: a voxel that missed its few observations, "
        "and its neighbours. Wider holes are shadows and far ground, where a value would be a "
        "guess."},
   };

@@ -7,12 +7,12 @@
 namespace rigmap {
 namespace {
 
-constexpr double kSurroundings_m = 0.12;  // sigma of the mean height: half a stone
-constexpr float kFullRelief_m = 0.06F;    // above or below the surroundings
-constexpr float kStrength = 0.45F;        // share of the brightness at full relief
+constexpr double kSurroundingsGrains = 12.0;  // sigma of the mean height: half a stone
+constexpr double kFullReliefGrains = 6.0;     // above or below the surroundings
+constexpr float kStrength = 0.45F;            // share of the brightness at full relief
 
 // Metres above the mean of the seen cells around.
-cv::Mat1f Relief(const SurfaceGrid& surface, double px_per_m) {
+cv::Mat1f Relief(const SurfaceGrid& surface, double grain_px) {
   cv::Mat1f height(surface.rows, surface.columns), seen(surface.rows, surface.columns);
   for (int row = 0; row < surface.rows; ++row) {
     for (int column = 0; column < surface.columns; ++column) {
@@ -21,7 +21,7 @@ cv::Mat1f Relief(const SurfaceGrid& surface, double px_per_m) {
       height(row, column) = holds ? surface.height_m[surface.Index(column, row)] : 0.0F;
     }
   }
-  const double sigma_px = std::clamp(kSurroundings_m * px_per_m, 3.0, 40.0);
+  const double sigma_px = std::clamp(kSurroundingsGrains * grain_px, 3.0, 40.0);
   cv::Mat1f mean, weight;
   cv::GaussianBlur(height, mean, {}, sigma_px, sigma_px, cv::BORDER_CONSTANT);
   cv::GaussianBlur(seen, weight, {}, sigma_px, sigma_px, cv::BORDER_CONSTANT);
@@ -30,12 +30,13 @@ cv::Mat1f Relief(const SurfaceGrid& surface, double px_per_m) {
 
 }  // namespace
 
-void DrawShaded(const SurfaceGrid& surface, double px_per_m, cv::Mat3b picture) {
-  const cv::Mat1f relief_m = Relief(surface, px_per_m);
+void DrawShaded(const SurfaceGrid& surface, double grain_m, double px_per_m, cv::Mat3b picture) {
+  const cv::Mat1f relief_m = Relief(surface, grain_m * px_per_m);
+  const auto full_m = static_cast<float>(kFullReliefGrains * grain_m);
   for (int row = 0; row < surface.rows; ++row) {
     for (int column = 0; column < surface.columns; ++column) {
       if (!surface.Holds(column, row)) continue;
-      const float relief = std::clamp(relief_m(row, column) / kFullRelief_m, -1.0F, 1.0F);
+      const float relief = std::clamp(relief_m(row, column) / full_m, -1.0F, 1.0F);
       const auto& rgb = surface.rgb[surface.Index(column, row)];
       const float brightness = 1.0F + kStrength * relief;
       picture(row, column) = {cv::saturate_cast<std::uint8_t>(brightness * rgb[2]),

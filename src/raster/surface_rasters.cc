@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "core/error.h"
+#include "raster/fill_pinholes.h"
 #include "raster/geotiff.h"
 #include "raster/internal/nearest_views.h"
 #include "raster/internal/point_bins.h"
@@ -56,12 +57,13 @@ SurfaceGrid TileSurface(PointBins& bins, int tile_column, int tile_row, double l
   const int side = CellFrame::kTileCells + 2 * bins.margin();
   UpperSurface surface(side, side, layer_m, true);
   bins.ForEach(tile_column, tile_row, [&](std::span<const BinnedPoint> points) {
-    for (const BinnedPoint& point : points) surface.Raise(point.column, point.row, point.height_m);
+    for (const BinnedPoint& point : points) {
+      surface.Raise(point.column, point.row, point.sample);
+    }
   });
   bins.ForEach(tile_column, tile_row, [&](std::span<const BinnedPoint> points) {
     for (const BinnedPoint& point : points) {
-      surface.Blend(point.column, point.row, point.height_m, point.rgb, point.observations,
-                    point.quality);
+      surface.Blend(point.column, point.row, point.sample);
     }
   });
   return surface.Finish();
@@ -88,7 +90,7 @@ void WriteTiles(PointBins& bins, const PointCells& cells, int max_hole_cells,
     for (int column = 0; column < frame.TilesAcross(); ++column) {
       if (!bins.HasPoints(column, row)) continue;
       SurfaceGrid grid = TileSurface(bins, column, row, frame.cell_m);
-      FillPinholes(grid, max_hole_cells, max_hole_cells);
+      FillPinholes(grid, max_hole_cells);
       const int first_column = column * CellFrame::kTileCells - bins.margin();
       const int first_row = row * CellFrame::kTileCells - bins.margin();
       if (inputs.trajectory && inputs.left_camera) {
@@ -130,7 +132,7 @@ void WriteSurfaceRasters(const GriddedCloud& cloud, const fs::path& folder,
   const CellFrame& frame = cells.frame();
   const ScratchFolder scratch(folder / "rasters.unfinished");
   const GdalSession session;
-  PointBins bins(cells, options.max_hole_cells, scratch.File("points"));
+  PointBins bins(cells, FillReach(options.max_hole_cells), scratch.File("points"));
   FillBins(cloud, bins);
   const MapNotes notes{inputs.grid ? inputs.grid->epsg : 0, cloud.warning};
   MapFile height(scratch.File("height"), MapLayer::kHeight, frame, notes);

@@ -11,8 +11,10 @@
 #include "core/error.h"
 #include "core/file.h"
 #include "export/ply_reader.h"
+#include "raster/fill_pinholes.h"
 #include "raster/internal/picture_frame.h"
 #include "raster/internal/relief_shading.h"
+#include "raster/internal/surface_patch.h"
 #include "raster/internal/view_axes.h"
 #include "raster/upper_surface.h"
 
@@ -22,9 +24,8 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double kStrayShare = 0.0002;  // of the points, left out of the view at each edge
-constexpr double kMaxGap_m = 0.05;      // closed in pictures
-constexpr double kMaxGapPx = 25.0;      // and where that is more, these
-constexpr int kGapLengthPerWidth = 2;
+// Gaps that are closed in pictures: so many metres or, where that is more, cells; pixels at most.
+constexpr double kMaxGap_m = 0.05, kMaxGapCells = 5.0, kMaxGapPx = 25.0;
 constexpr double kMinView_m = 0.2;          // extent of the smallest view
 constexpr std::uint64_t kSamples = 200000;  // points that decide on the extent
 
@@ -45,12 +46,14 @@ struct View {
   }
 };
 
-std::array<View, 3> Views(const Trajectory& trajectory) {
+double MaxGap(double cell_m) { return std::max(kMaxGap_m, kMaxGapCells * cell_m); }
+
+std::array<View, 3> Views(const Trajectory& trajectory, double cell_m) {
   const Eigen::Vector3d direction = DrivingDirection(trajectory);
   return {View{"view_top.png",
                fmt::format("From above: x (first heading) to the right, y up; blank: not seen "
                            "({:.0f} cm or more)",
-                           100.0 * kMaxGap_m),
+                           100.0 * MaxGap(cell_m)),
                TopView()},
           View{"view_side.png", "From the right, straight across the drive, heights to scale",
                SideView(direction)},
@@ -93,15 +96,12 @@ void Frame(const Trajectory& trajectory, int picture_px, View& view) {
   view.size_px = {static_cast<int>(size_px.x()), static_cast<int>(size_px.y())};
 }
 
-// Calls take(column, row) for the pixels that a point's square covers: as large as a cell and a
-// half, so that neighbours touch.
+// Calls take(column, row) for the pixels of a box that lie in the view.
 template <class Take>
-void ForEachPixel(const View& view, const Eigen::Vector3d& x_in_view, double cell_m, Take take) {
-  const double reach_px = 0.75 * cell_m * view.px_per_m;
-  const Eigen::Array2d centre_px = view.PixelFromView(x_in_view);
+void ForEachPixel(const View& view, const Eigen::Array2d& low_px, const Eigen::Array2d& high_px,
+                  Take take) {
   const Eigen::Array2d limit_px(view.size_px.width - 1, view.size_px.height - 1);
-  const Eigen::Array2d first = (centre_px - reach_px).floor().max(0.0);
-  const Eigen::Array2d last = (centre_px + reach_px).floor().min(limit_px);
+  const Eigen::Array2d first = low_px.floor().max(0.0), last = high_px.floor().min(limit_px);
   for (double row = first.y(); row <= last.y(); ++row) {
     for (double column = first.x(); column <= last.x(); ++column) {
       take(static_cast<int>(column), static_cast<int>(row));
@@ -109,13 +109,46 @@ void ForEachPixel(const View& view, const Eigen::Vector3d& x_in_view, double cel
   }
 }
 
-// A coarse point's square lies in its surface: what it is nearer to the viewer by per pixel to the
-// right and per pixel down. Zero for points as fine as the cells, and for what is seen edge on.
-Eigen::Vector2d NearnessPerPixel(const View& view, const SurfacePoint& point, double cell_m) {
-  constexpr double kLeastCosine = 0.2;
-  const Eigen::Vector3d normal = view.axes.ViewFromWorld(point.normal.cast<double>());
-  if (point.grain_m <= cell_m || normal.z() < kLeastCosine) return Eigen::Vector2d::Zero();
-  return Eigen::Vector2d(-normal.x(), normal.y()) / (normal.z() * view.px_per_m);
+// Calls take(column, row, nearness) for the pixels of a square towards the viewer, as large as a
+// cell and a half, so that neighbours touch.
+template <class Take>
+void DrawSquare(const View& view, const SurfacePoint& point, double cell_m, Take take) {
+  const Eigen::Vector3d x_in_view = view.axes.ViewFromWorld(point.x_in_world.cast<double>());
+  const Eigen::Array2d centre_px = view.PixelFromView(x_in_view);
+  const double reach_px = 0.75 * cell_m * view.px_per_m;
+  ForEachPixel(view, centre_px - reach_px, centre_px + reach_px,
+               [&](int column, int row) { take(column, row, x_in_view.z()); });
+}
+
+// The same for those of a patch, and a little beyond its edges, so that neighbours touch.
+template <class Take>
+void DrawPatch(const View& view, const SurfacePatch& patch, Take take) {
+  constexpr double kBeyondPx = 0.75;
+  const Eigen::Vector3d corner = view.axes.ViewFromWorld(patch.corner);
+  const Eigen::Vector2d corner_px = view.PixelFromView(corner);
+  Eigen::Matrix2d edges_px;  // in its columns
+  Eigen::Vector2d nearness_m;
+  for (int i = 0; i < 2; ++i) {
+    const Eigen::Vector3d edge = view.axes.ViewFromWorld(patch.edges[i]);
+    edges_px.col(i) = view.px_per_m * Eigen::Vector2d(edge.x(), -edge.y());
+    nearness_m(i) = edge.z();
+  }
+  const double area_px = std::abs(edges_px.determinant());
+  if (!(area_px > 1e-6)) return;  // seen edge on
+  const Eigen::Matrix2d share_from_px = edges_px.inverse();
+  const Eigen::Array2d beyond =
+      kBeyondPx / area_px * Eigen::Array2d(edges_px.col(1).norm(), edges_px.col(0).norm());
+  const Eigen::Array2d low_px =
+      corner_px.array() + edges_px.array().min(0.0).rowwise().sum() - kBeyondPx;
+  const Eigen::Array2d high_px =
+      corner_px.array() + edges_px.array().max(0.0).rowwise().sum() + kBeyondPx;
+  ForEachPixel(view, low_px, high_px, [&](int column, int row) {
+    const Eigen::Vector2d off_px = Eigen::Vector2d(column + 0.5, row + 0.5) - corner_px;
+    const Eigen::Array2d share = share_from_px * off_px;
+    if ((share < -beyond).any() || (share > 1.0 + beyond).any()) return;
+    const Eigen::Vector2d inside = share.max(0.0).min(1.0);
+    take(column, row, corner.z() + nearness_m.dot(inside));
+  });
 }
 
 // What is nearest to the viewer, pixel by pixel.
@@ -127,27 +160,28 @@ std::array<SurfaceGrid, 3> Surfaces(const GriddedCloud& cloud, const std::array<
   }
   const auto visit = [&](auto deed) {
     ForEachShown(cloud, [&](const SurfacePoint& point) {
+      const bool is_coarse = point.grain_m > cloud.cell_m;
+      const bool has_plane = is_coarse && !point.normal.isZero();
+      CellSample sample = SampleOf(point, 0.0, cloud.cell_m);
       for (std::size_t i = 0; i < views.size(); ++i) {
-        const Eigen::Vector3d x_in_view =
-            views[i].axes.ViewFromWorld(point.x_in_world.cast<double>());
-        const Eigen::Vector2d slope = NearnessPerPixel(views[i], point, cloud.cell_m);
-        const Eigen::Vector2d centre_px = views[i].PixelFromView(x_in_view);
-        ForEachPixel(views[i], x_in_view, std::max<double>(cloud.cell_m, point.grain_m),
-                     [&](int column, int row) {
-                       const Eigen::Vector2d pixel(column + 0.5, row + 0.5);
-                       const double nearness_m = x_in_view.z() + slope.dot(pixel - centre_px);
-                       deed(surfaces[i], column, row, static_cast<float>(nearness_m), point);
-                     });
+        const auto take = [&](int column, int row, double nearness_m) {
+          sample.height_m = static_cast<float>(nearness_m);
+          deed(surfaces[i], column, row, sample);
+        };
+        if (has_plane) {
+          DrawPatch(views[i], PatchOf(point), take);
+        } else {
+          DrawSquare(views[i], point, std::max<double>(cloud.cell_m, point.grain_m), take);
+        }
       }
     });
   };
-  visit([](UpperSurface& surface, int column, int row, float nearness_m, const SurfacePoint&) {
-    surface.Raise(column, row, nearness_m);
+  visit([](UpperSurface& surface, int column, int row, const CellSample& sample) {
+    surface.Raise(column, row, sample);
   });
-  visit(
-      [](UpperSurface& surface, int column, int row, float nearness_m, const SurfacePoint& point) {
-        surface.Blend(column, row, nearness_m, point.rgb, point.observations);
-      });
+  visit([](UpperSurface& surface, int column, int row, const CellSample& sample) {
+    surface.Blend(column, row, sample);
+  });
   return {surfaces[0].Finish(), surfaces[1].Finish(), surfaces[2].Finish()};
 }
 
@@ -178,11 +212,11 @@ std::vector<std::array<Eigen::Vector3d, 2>> PlumbLines(const View& top, const Su
   return lines;
 }
 
-cv::Mat3b Picture(const View& view, const SurfaceGrid& surface, const Trajectory& trajectory,
-                  const std::vector<std::array<Eigen::Vector3d, 2>>& plumb_lines,
-                  const std::string& warning) {
+cv::Mat3b Picture(const GriddedCloud& cloud, const View& view, const SurfaceGrid& surface,
+                  const Trajectory& trajectory,
+                  const std::vector<std::array<Eigen::Vector3d, 2>>& plumb_lines) {
   Canvas canvas = EmptyCanvas(view.size_px);
-  DrawShaded(surface, view.px_per_m, canvas.picture(canvas.view));
+  DrawShaded(surface, cloud.cell_m, view.px_per_m, canvas.picture(canvas.view));
   const auto pixel = [&](const Eigen::Vector3d& x_in_world) -> Eigen::Vector2d {
     return view.PixelFromView(view.axes.ViewFromWorld(x_in_world)) +
            Eigen::Vector2d(canvas.view.x, canvas.view.y);
@@ -198,7 +232,7 @@ cv::Mat3b Picture(const View& view, const SurfaceGrid& surface, const Trajectory
   const bool shows_plumb_lines = !plumb_lines.empty() && view.axes.up.z() > 0.0;
   DrawFooter(canvas, view.px_per_m,
              view.caption + (shows_plumb_lines ? "; thin: down to the ground" : ""));
-  if (!warning.empty()) DrawWarning(canvas.picture, warning);
+  if (!cloud.warning.empty()) DrawWarning(canvas.picture, cloud.warning);
   return canvas.picture;
 }
 
@@ -219,22 +253,18 @@ void WriteSurfaceViews(const GriddedCloud& cloud, const Trajectory& trajectory,
                        const fs::path& folder, const PictureOptions& options) {
   cloud.Validate();
   RequireValid(options);
-  std::array<View, 3> views = Views(trajectory);
+  std::array<View, 3> views = Views(trajectory, cloud.cell_m);
   CountExtents(cloud, views);
   for (View& view : views) Frame(trajectory, options.picture_px, view);
   std::array<SurfaceGrid, 3> surfaces = Surfaces(cloud, views);
   for (std::size_t i = 0; i < views.size(); ++i) {
-    const double gap_px = std::min(kMaxGap_m * views[i].px_per_m, kMaxGapPx);
-    const int max_width_px = 1 + static_cast<int>(gap_px);
-    // A second time for the frayed rims that the first leaves of wider holes.
-    for (int time = 0; time < 2; ++time) {
-      FillPinholes(surfaces[i], max_width_px, kGapLengthPerWidth * max_width_px);
-    }
+    const double gap_px = std::min(MaxGap(cloud.cell_m) * views[i].px_per_m, kMaxGapPx);
+    FillPinholes(surfaces[i], 1 + static_cast<int>(gap_px));
     MeasureUpwards(views[i], surfaces[i]);
   }
   const auto plumb_lines = PlumbLines(views[0], surfaces[0], trajectory);
   for (std::size_t i = 0; i < views.size(); ++i) {
-    WritePng(Picture(views[i], surfaces[i], trajectory, plumb_lines, cloud.warning),
+    WritePng(Picture(cloud, views[i], surfaces[i], trajectory, plumb_lines),
              folder / views[i].name);
   }
 }

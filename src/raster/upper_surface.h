@@ -30,30 +30,35 @@ struct SurfaceGrid {
   bool Holds(int column, int row) const;  // inside, and something was seen
 };
 
-// Of a point, beside its height and colour.
-struct PointQuality {
+// What a point says about a cell.
+struct CellSample {
+  float height_m = 0.0F;
+  float doubt_m = 0.0F;  // it hides what is finer only where it is higher than that by this much
+  std::array<std::uint8_t, 3> rgb{};
+  float weight = 1.0F;  // > 0
+  float observations = 0.0F;
   float sigma_m = 0.0F;
   std::array<std::int8_t, 3> normal{};  // times 127
 };
 
-// A cell's height and colour are the means, weighted by observations, of its points within
-// `layer_m` below the highest: points farther down are covered. The points must be given twice,
-// first all to Raise, then all to Blend. 28 bytes a cell, 20 more with quality. Cells must lie
-// inside the grid.
+// A cell's height and colour are the weighted means of its points within `layer_m` below the
+// highest, each taken for lower by its doubt: points farther down are covered, and of two that may
+// be the same surface that which is known better is seen. The points must be given twice, first all
+// to Raise, then all to Blend. 28 bytes a cell, 20 more with quality. Cells must lie inside the
+// grid.
 class UpperSurface {
  public:
   UpperSurface(int columns, int rows, double layer_m, bool with_quality = false);
 
-  void Raise(int column, int row, float height_m);
-  void Blend(int column, int row, float height_m, const std::array<std::uint8_t, 3>& rgb,
-             std::uint16_t observations, const PointQuality& quality = {});
+  void Raise(int column, int row, const CellSample& sample);
+  void Blend(int column, int row, const CellSample& sample);
   SurfaceGrid Finish() const;
 
  private:
   struct Cell {
-    float top_m;             // minus infinity: no point
-    float weight = 0.0F;     // of the top layer, as the sums
-    float depth_sum = 0.0F;  // of metres below the top
+    float top_m;                 // minus infinity: no point
+    float weight = 0.0F;         // of the top layer, as the sums
+    float above_top_sum = 0.0F;  // of metres
     std::array<float, 3> rgb_sum{};
   };
 
@@ -69,14 +74,5 @@ class UpperSurface {
   std::vector<Cell> cells_;
   std::vector<QualitySums> quality_;
 };
-
-// Fills cells in which nothing was seen where the hole is narrow: of the run of such cells through
-// the cell along its row and the one along its column, the shorter has at most `max_width_cells`
-// and the longer at most `max_length_cells`, and both end at seen cells. The value is linear along
-// each run, and the mean of the two: right on a plane; so is the sigma, and
-// the count is 0. Only what was seen ends a run, so nothing
-// grows over an outer edge or into a wide hole; a narrow hole across a step becomes a slope.
-// Returns how many were filled.
-std::size_t FillPinholes(SurfaceGrid& grid, int max_width_cells, int max_length_cells);
 
 }  // namespace rigmap

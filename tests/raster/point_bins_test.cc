@@ -64,7 +64,7 @@ TEST_F(PointBinsTest, EachTileHoldsItsPointsAndThoseOfItsMargin) {
         const int side = kBinTile + 2 * kBinMargin;
         if (column < 0 || column >= side || row < 0 || row >= side) continue;
         ASSERT_LT(next, held.size());
-        EXPECT_EQ(held[next].height_m, static_cast<float>(i)) << "in the order of Add";
+        EXPECT_EQ(held[next].sample.height_m, static_cast<float>(i)) << "in the order of Add";
         EXPECT_EQ(held[next].column, column);
         EXPECT_EQ(held[next].row, row);
         ++next;
@@ -82,8 +82,8 @@ TEST_F(PointBinsTest, KeepsColourAndObservations) {
   bins_.Add(point);
   bins_.Flush();
   ASSERT_EQ(Held(0, 0).size(), 1U);
-  EXPECT_EQ(Held(0, 0)[0].rgb, point.rgb);
-  EXPECT_EQ(Held(0, 0)[0].observations, 65535);
+  EXPECT_EQ(Held(0, 0)[0].sample.rgb, point.rgb);
+  EXPECT_EQ(Held(0, 0)[0].sample.observations, 65535.0F);
   EXPECT_FALSE(bins_.HasPoints(1, 0));
   EXPECT_FALSE(bins_.HasPoints(0, 1));
 }

@@ -33,7 +33,8 @@ TEST(PointCells, InTheWorldAreTheCellsOfThePointsCube) {
   EXPECT_EQ(CellsOf(cells, point), (Cells{{50, 48}}));
   point.grain_m = static_cast<float>(3 * kTurnedCell_m);
   EXPECT_EQ(CellsOf(cells, point).size(), 9U);
-  EXPECT_EQ(*CellsOf(cells, point).begin(), std::pair(49, 47));
+  // From 0 to 0.06 m either way: columns 50 to 52 and rows 49 to 47.
+  EXPECT_EQ(*CellsOf(cells, point).begin(), std::pair(50, 47));
 }
 
 TEST(PointCells, OnAGridThatIsTheWorldsAreTheSame) {

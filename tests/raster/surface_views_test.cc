@@ -260,15 +260,18 @@ TEST_F(Views, LeaveNoHolesInAClosedSurface) {
   EXPECT_LE(Find(picture, empty).count, all - surface);
 }
 
-// Their squares lie in the ground: held towards the viewer they would look like stairs.
+// Their squares lie in the ground, in their cubes: held towards the viewer, around where the points
+// happen to lie, they would look like stairs, with gaps.
 TEST_F(Views, ShadeCoarseLevelGroundEvenly) {
   constexpr float kGrain = 0.08F;
   const auto contrast = [&](const Eigen::Vector3f& normal) {
     PointCloud cloud;
+    SeededRandom random;
     for (int x = 0; x < 50; ++x) {
       for (int y = 0; y < 40; ++y) {
         SurfacePoint& point = cloud.emplace_back();
-        point.x_in_world = {kGrain * static_cast<float>(x), kGrain * static_cast<float>(y), 0.0F};
+        point.x_in_world = {kGrain * static_cast<float>(x + random.Uniform(0.01, 0.99)),
+                            kGrain * static_cast<float>(y + random.Uniform(0.01, 0.99)), 0.0F};
         point.normal = normal;
         point.rgb = {120, 120, 120};
         point.observations = 4;

@@ -2,7 +2,6 @@
 // memory.
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -19,13 +18,10 @@
 namespace rigmap {
 
 struct BinnedPoint {
-  float height_m = 0.0F;
   // Within the tile and its margin: 0 is `margin` cells west or north of the tile.
   std::uint16_t column = 0;
   std::uint16_t row = 0;
-  std::array<std::uint8_t, 3> rgb{};
-  std::uint16_t observations = 0;
-  PointQuality quality;
+  CellSample sample;
 };
 
 class PointBins {
@@ -54,7 +50,7 @@ class PointBins {
   };
 
   std::size_t TileIndex(int tile_column, int tile_row) const;
-  void AddAt(const SurfacePoint& point, int column, int row);
+  void AddAt(const CellSample& sample, int column, int row);
 
   PointCells cells_;
   CellFrame frame_;

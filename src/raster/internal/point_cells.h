@@ -11,7 +11,7 @@
 
 namespace rigmap {
 
-// In a map of the world: the cells of the point's cube, around its own. In a map of the Earth: the
+// In a map of the world: the cells of the cube that the point lies in. In a map of the Earth: the
 // cells whose middle, taken back to the world, lies in one of these, so that each cell of the map
 // takes what the nearest of the world's holds, and turning the map opens no holes.
 class PointCells {
