@@ -11,6 +11,8 @@ namespace rigmap {
 namespace {
 
 constexpr std::size_t kMinBlocks = 4;  // fewer cannot be trusted to contradict each other
+// One block in so many may show something else: a person, a car, glare.
+constexpr int kBlocksPerDissenter = 8;
 
 // Which parameters are free.
 CalibrationVector FreedBy(RigRefinement refined) {
@@ -148,28 +150,73 @@ std::optional<ProbableCorrection> MostProbable(RigRefinement refined, const Cali
   return found;
 }
 
+std::optional<LeftOutGain> GainOfRefining(RigRefinement from, RigRefinement to,
+                                          const CalibrationVector& now,
+                                          const CalibrationEquations& equations,
+                                          const std::vector<CalibrationBlock>& blocks,
+                                          const CalibrationPrior& prior,
+                                          const AdjustmentOptions& options) {
+  if (blocks.size() < kMinBlocks) return std::nullopt;
+  const double inflation = Inflation(equations, options);
+  LeftOutGain found{.blocks = static_cast<int>(blocks.size())};
+  for (const CalibrationBlock& left_out : blocks) {
+    const auto gain_of = [&](RigRefinement refined) {
+      const CalibrationVector step =
+          WithoutBlock(FreedBy(refined), now, equations, left_out, inflation, prior) - now;
+      return left_out.score.dot(step) - 0.5 * step.dot(left_out.information * step);
+    };
+    const double gain = (gain_of(to) - gain_of(from)) / inflation;
+    constexpr double kChance = 0.5;  // half a square of one sigma
+    if (!std::isfinite(gain)) return std::nullopt;
+    found.sum += gain;
+    if (gain < -kChance) ++found.against;
+  }
+  return found;
+}
+
 namespace {
 
-// Whether the images ask for a focal length that left-out stretches did not confirm.
+// Of what is left out the focal length must explain at least half of what it would if it were that
+// one, and all else as modelled.
+double HalfOfExpectedGain(double asked, const ProbableCorrection& all) {
+  return 0.25 * asked * asked / all.covariance(kLogFocal, kLogFocal);
+}
+
+// Whether the images ask for a focal length that left-out stretches or regions contradict. Where
+// these agree, if not by enough to follow them, what is asked for is known as it says.
 bool IsFocalRejected(RigRefinement refined, const CalibrationVector& now,
-                     const ProbableCorrection& all, const AdjustmentOptions& options) {
+                     const ProbableCorrection& all, const CalibrationEquations& equations,
+                     const CalibrationPrior& prior, const AdjustmentOptions& options) {
   constexpr double kConflictSigmas = 2.0;
-  return refined == RigRefinement::kAllButFocal && options.refine_rig == RigRefinement::kAuto &&
-         std::abs(all.correction(kLogFocal) - now(kLogFocal)) >
-             kConflictSigmas * std::sqrt(all.covariance(kLogFocal, kLogFocal));
+  const double asked = std::abs(all.correction(kLogFocal) - now(kLogFocal));
+  if (refined != RigRefinement::kAllButFocal || options.refine_rig != RigRefinement::kAuto ||
+      asked <= kConflictSigmas * std::sqrt(all.covariance(kLogFocal, kLogFocal))) {
+    return false;
+  }
+  const double least_gain = HalfOfExpectedGain(asked, all);
+  const auto contradicts = [&](const std::vector<CalibrationBlock>& blocks) {
+    const auto gain =
+        GainOfRefining(refined, RigRefinement::kAll, now, equations, blocks, prior, options);
+    return !gain || gain->sum < least_gain || gain->against > gain->blocks / kBlocksPerDissenter;
+  };
+  return contradicts(equations.stretches) || contradicts(equations.regions);
 }
 
 // Delete-one jackknife over the regions of the image: what all stretches have in common, as a lens
-// that its model does not describe, differs between these.
+// that its model does not describe, differs between these. About what all regions together say:
+// about the prior's mean, what one region alone tells would go back to the file without it, and
+// take the focal length along, though all agree.
 double FocalVarianceOverRegions(const CalibrationVector& now, const CalibrationEquations& equations,
                                 const CalibrationPrior& prior, const AdjustmentOptions& options) {
   const auto count = static_cast<double>(equations.regions.size());
   const double inflation = Inflation(equations, options);
+  const CalibrationMatrix prior_information = inflation * HeavyTailed(prior, now);
+  const CalibrationVector told = equations.information.ldlt().solve(equations.score);
   double sum = 0.0, squares = 0.0;
   for (const CalibrationBlock& left_out : equations.regions) {
-    const double found = WithoutBlock(FreedBy(RigRefinement::kAll), now, equations, left_out,
-                                      inflation, prior)(kLogFocal) -
-                         now(kLogFocal);
+    const LinearSystem others{equations.information - left_out.information + prior_information,
+                              left_out.information * told - left_out.score};
+    const double found = others.Solution()(kLogFocal);
     sum += found;
     squares += found * found;
   }
@@ -195,7 +242,7 @@ CalibrationMatrix CalibrationError(RigRefinement refined, const CalibrationVecto
   const double variance = all->covariance(kLogFocal, kLogFocal);
   const CalibrationMatrix by_focal = following * following.transpose();
   const CalibrationMatrix held = all->covariance - variance * by_focal;
-  if (!IsFocalRejected(refined, now, *all, options)) {
+  if (!IsFocalRejected(refined, now, *all, equations, prior, options)) {
     const double unlike = FocalVarianceOverRegions(now, equations, prior, options);
     return held + std::max(variance, unlike) * by_focal + off * off.transpose();
   }
@@ -215,35 +262,11 @@ CalibrationMatrix CalibrationErrorElsewhere(RigRefinement refined, const Calibra
                                             const AdjustmentOptions& options) {
   const CalibrationMatrix error = CalibrationError(refined, now, equations, prior, options);
   const auto all = MostProbable(RigRefinement::kAll, now, equations, prior, options);
-  if (!all || !IsFocalRejected(refined, now, *all, options)) return error;
+  if (!all || !IsFocalRejected(refined, now, *all, equations, prior, options)) return error;
   CalibrationVector followed =
       (all->correction(kLogFocal) - now(kLogFocal)) * FollowingFocal(all->covariance);
   followed(kLogFocal) = 0.0;
   return error + followed * followed.transpose();
-}
-
-std::optional<LeftOutGain> GainOfRefining(RigRefinement from, RigRefinement to,
-                                          const CalibrationVector& now,
-                                          const CalibrationEquations& equations,
-                                          const std::vector<CalibrationBlock>& blocks,
-                                          const CalibrationPrior& prior,
-                                          const AdjustmentOptions& options) {
-  if (blocks.size() < kMinBlocks) return std::nullopt;
-  const double inflation = Inflation(equations, options);
-  LeftOutGain found{.blocks = static_cast<int>(blocks.size())};
-  for (const CalibrationBlock& left_out : blocks) {
-    const auto gain_of = [&](RigRefinement refined) {
-      const CalibrationVector step =
-          WithoutBlock(FreedBy(refined), now, equations, left_out, inflation, prior) - now;
-      return left_out.score.dot(step) - 0.5 * step.dot(left_out.information * step);
-    };
-    const double gain = (gain_of(to) - gain_of(from)) / inflation;
-    constexpr double kChance = 0.5;  // half a square of one sigma
-    if (!std::isfinite(gain)) return std::nullopt;
-    found.sum += gain;
-    if (gain < -kChance) ++found.against;
-  }
-  return found;
 }
 
 RigRefinement NextRefinement(RigRefinement refined, const CalibrationVector& now,
@@ -258,10 +281,7 @@ RigRefinement NextRefinement(RigRefinement refined, const CalibrationVector& now
   double least_gain = 0.5 * options.refine_sigmas * options.refine_sigmas;
   const double asked = std::abs(correction->correction(kLogFocal) - now(kLogFocal));
   if (next == RigRefinement::kAll) {
-    // Of what is left out the focal length must explain at least half of what it would if it were
-    // that one, and all else as modelled.
-    const double expected = 0.5 * asked * asked / correction->covariance(kLogFocal, kLogFocal);
-    least_gain = std::max(least_gain, 0.5 * expected);
+    least_gain = std::max(least_gain, HalfOfExpectedGain(asked, *correction));
   }
   const auto do_stretches_confirm = [&] {
     const auto gain =
@@ -270,9 +290,8 @@ RigRefinement NextRefinement(RigRefinement refined, const CalibrationVector& now
     spdlog::info(
         "rig refined by {} instead of {}: stretches left out gain {:.1f}, {} of {} against",
         NameOf(next), NameOf(refined), gain->sum, gain->against, gain->blocks);
-    // One stretch in eight may show something else: a person, a car, glare. Of six already where it
-    // is not the scale that is asked for.
-    const int per_dissenter = next == RigRefinement::kAllButFocal ? 6 : 8;
+    // Of six already where it is not the scale that is asked for.
+    const int per_dissenter = next == RigRefinement::kAllButFocal ? 6 : kBlocksPerDissenter;
     return gain->sum > least_gain && gain->against <= gain->blocks / per_dissenter;
   };
   const auto do_regions_confirm = [&] {

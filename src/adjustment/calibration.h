@@ -76,9 +76,9 @@ std::optional<ProbableCorrection> MostProbable(RigRefinement refined, const Cali
 // `refined` are free: what the part and the prior leave unknown, and how far the most probable
 // correction lies from it. Regions of the image that ask for different focal lengths leave it as
 // uncertain as a jackknife over them tells (delete one region, Efron and Stein 1981). Where the
-// images ask for one that was not confirmed, they do not know it: its sigma is twice what they ask
-// for and at most that of the prior, but no less than half of what they ask for. Where the
-// equations are singular the prior counts.
+// images ask for one that left-out stretches or regions contradict, they do not know it: its sigma
+// is twice what they ask for and at most that of the prior, but no less than half of what they ask
+// for. Where the equations are singular the prior counts.
 CalibrationMatrix CalibrationError(RigRefinement refined, const CalibrationVector& now,
                                    const CalibrationEquations& equations,
                                    const CalibrationPrior& prior, const AdjustmentOptions& options);

@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <optional>
 
+#include "correspondence/patch_warp.h"
+
 namespace rigmap {
 
 // Grey pixels that somebody else owns; row y starts at data + y * stride. Pixel centres are at
@@ -13,21 +15,6 @@ struct GreyView {
   const std::uint8_t* data = nullptr;
   int width = 0, height = 0;
   int stride = 0;
-};
-
-// Maps offsets u from the template's centre into the target: x = position + linear (u + bend q),
-// q = (u.x u.x, u.x u.y, u.y u.y).
-struct PatchWarp {
-  Eigen::Matrix2d linear = Eigen::Matrix2d::Identity();
-  Eigen::Vector2d position = Eigen::Vector2d::Zero();  // px in the target
-  // 1/px; what perspective and lenses add, known beforehand: it is not searched. Left out it would
-  // draw windows aside, all of a frame the same way, by some hundredths of a pixel.
-  Eigen::Matrix<double, 2, 3> bend = Eigen::Matrix<double, 2, 3>::Zero();
-
-  Eigen::Vector2d operator*(const Eigen::Vector2d& u) const { return position + linear * Bent(u); }
-  Eigen::Vector2d Bent(const Eigen::Vector2d& u) const {
-    return u + bend * Eigen::Vector3d(u.x() * u.x(), u.x() * u.y(), u.y() * u.y());
-  }
 };
 
 struct PatchAlignmentOptions {

@@ -164,7 +164,7 @@ FrameFeatures CornerTracker::Next(const StereoFrame& frame) {
                         setup_.rig, pixels, setup_.options);
   for (std::size_t i = 0; i < pixels.size(); ++i) {
     result.features.push_back(
-        {pixels[i], matches.right[i], static_cast<float>(options_.window_px)});
+        FeatureOf(pixels[i], matches.found[i], static_cast<float>(options_.window_px)));
   }
   result.tracks = corners.tracks;
   result.epipolar_errors_px = std::move(matches.epipolar_errors_px);

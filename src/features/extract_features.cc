@@ -52,7 +52,8 @@ FrameFeatures ExtractFeatures(const StereoFrame& frame, const FeatureSetup& setu
   result.epipolar_errors_px = std::move(stereo_matches.epipolar_errors_px);
   result.usable_share = cv::countNonZero(left_mask) / static_cast<double>(left_mask.total());
   for (std::size_t i = 0; i < keypoints.pixels.size(); ++i) {
-    result.features.push_back({keypoints.pixels[i], stereo_matches.right[i], keypoints.sizes[i]});
+    result.features.push_back(
+        FeatureOf(keypoints.pixels[i], stereo_matches.found[i], keypoints.sizes[i]));
     result.patches.push_back(CutPatch(images.left, keypoints.pixels[i]));
   }
   return result;

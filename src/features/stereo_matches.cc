@@ -14,7 +14,7 @@ namespace {
 
 struct Candidate {
   std::size_t keypoint = 0;
-  Eigen::Vector2d right;
+  StereoMatch match;
   double correlation = 0.0;
   double epipolar_error_px = 0.0;
 };
@@ -56,7 +56,8 @@ class StereoMatcher {
     }
     const auto error = EpipolarErrorPx(rig_, left, aligned->warp.position);
     if (!error || std::abs(*error) > options_.epipolar_band_px) return std::nullopt;
-    return Candidate{keypoint, aligned->warp.position, aligned->correlation, *error};
+    return Candidate{
+        keypoint, {aligned->warp.position, aligned->warp.linear}, aligned->correlation, *error};
   }
 
  private:
@@ -86,22 +87,17 @@ class StereoMatcher {
   std::optional<PatchAlignment> Align(const Eigen::Vector2d& left,
                                       const EpipolarMatch& coarse) const {
     const Eigen::Vector2i centre(cvRound(left.x()), cvRound(left.y()));
-    const auto transfer = [&](const Eigen::Vector2d& pixel) -> Eigen::Vector2d {
-      const auto normalised = Undistort(rig_.left.camera, pixel);
+    auto start = WarpOf([&](const Eigen::Vector2d& offset) -> Eigen::Vector2d {
+      const auto normalised = Undistort(rig_.left.camera, left + offset);
       return normalised ? to_right_.Transfer(*normalised, coarse.inverse_depth)
                         : Eigen::Vector2d::Constant(std::nan(""));
-    };
-    PatchWarp start;
-    start.linear.col(0) = 0.5 * (transfer(left + Eigen::Vector2d::UnitX()) -
-                                 transfer(left - Eigen::Vector2d::UnitX()));
-    start.linear.col(1) = 0.5 * (transfer(left + Eigen::Vector2d::UnitY()) -
-                                 transfer(left - Eigen::Vector2d::UnitY()));
-    if (!start.linear.allFinite()) return std::nullopt;
+    });
+    if (!start) return std::nullopt;
     const Eigen::Vector2d offset = left - centre.cast<double>();
-    start.position = coarse.pixel - start.linear * offset;
+    start->position = coarse.pixel - start->linear * offset;
     PatchAlignmentOptions alignment;
     alignment.max_shift_px = 2.0 * reduction_;
-    auto aligned = AlignPatch(View(images_.left), centre, View(images_.right), start, alignment);
+    auto aligned = AlignPatch(View(images_.left), centre, View(images_.right), *start, alignment);
     if (aligned) aligned->warp.position += aligned->warp.linear * offset;
     return aligned;
   }
@@ -122,8 +118,8 @@ std::vector<Candidate> OneToOne(std::vector<Candidate> candidates, const cv::Siz
   cv::Mat taken = cv::Mat::zeros(size, CV_8UC1);
   std::vector<Candidate> kept;
   for (const Candidate& candidate : candidates) {
-    auto& pixel =
-        taken.at<std::uint8_t>(cvRound(candidate.right.y()), cvRound(candidate.right.x()));
+    auto& pixel = taken.at<std::uint8_t>(cvRound(candidate.match.right.y()),
+                                         cvRound(candidate.match.right.x()));
     if (pixel) continue;
     pixel = 1;
     kept.push_back(candidate);
@@ -132,6 +128,16 @@ std::vector<Candidate> OneToOne(std::vector<Candidate> candidates, const cv::Siz
 }
 
 }  // namespace
+
+Feature FeatureOf(const Eigen::Vector2d& left, const std::optional<StereoMatch>& match,
+                  float size) {
+  Feature feature{.left = left, .size = size};
+  if (match) {
+    feature.right = match->right;
+    feature.right_from_left = match->right_from_left;
+  }
+  return feature;
+}
 
 std::optional<double> EpipolarErrorPx(const StereoRig& rig, const Eigen::Vector2d& left,
                                       const Eigen::Vector2d& right) {
@@ -154,7 +160,7 @@ StereoMatches FindStereoMatches(const StereoImages& images, const StereoRig& rig
   }
   candidates = OneToOne(std::move(candidates), images.right.size());
   StereoMatches stereo_matches;
-  stereo_matches.right.resize(left_pixels.size());
+  stereo_matches.found.resize(left_pixels.size());
   for (const Candidate& candidate : candidates) {
     stereo_matches.epipolar_errors_px.push_back(static_cast<float>(candidate.epipolar_error_px));
   }
@@ -165,7 +171,7 @@ StereoMatches FindStereoMatches(const StereoImages& images, const StereoRig& rig
                                     MedianAbsolute(stereo_matches.epipolar_errors_px));
   for (const Candidate& candidate : candidates) {
     if (std::abs(candidate.epipolar_error_px) <= tolerated_px) {
-      stereo_matches.right[candidate.keypoint] = candidate.right;
+      stereo_matches.found[candidate.keypoint] = candidate.match;
     }
   }
   return stereo_matches;

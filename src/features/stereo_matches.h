@@ -7,6 +7,7 @@
 
 #include "features/feature_options.h"
 #include "features/keypoints.h"
+#include "scene/features.h"
 #include "scene/rig.h"
 
 namespace rigmap {
@@ -17,9 +18,14 @@ struct StereoImages {
   cv::Mat right_mask;
 };
 
+struct StereoMatch {
+  Eigen::Vector2d right;            // px
+  Eigen::Matrix2d right_from_left;  // how the window around it is stretched and sheared
+};
+
 struct StereoMatches {
-  std::vector<std::optional<Eigen::Vector2d>> right;  // px, one entry per left keypoint
-  std::vector<float> epipolar_errors_px;              // of all that were found, before rejection
+  std::vector<std::optional<StereoMatch>> found;  // one entry per left keypoint
+  std::vector<float> epipolar_errors_px;          // of all that were found, before rejection
 };
 
 // For each left keypoint: windows along its epipolar curve (in a band around it) are correlated
@@ -28,6 +34,9 @@ struct StereoMatches {
 StereoMatches FindStereoMatches(const StereoImages& images, const StereoRig& rig,
                                 const std::vector<Eigen::Vector2d>& left_pixels,
                                 const FeatureOptions& options);
+
+// A keypoint with its match, if it has one.
+Feature FeatureOf(const Eigen::Vector2d& left, const std::optional<StereoMatch>& match, float size);
 
 // Signed distance (px of the right image) of a stereo match from its epipolar line: the difference
 // of rectified rows. Nothing where a pixel has no ray.

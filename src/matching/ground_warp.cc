@@ -1,6 +1,5 @@
 #include "matching/ground_warp.h"
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
@@ -61,24 +60,7 @@ std::optional<PatchWarp> GroundWarp(const GroundPatch& patch, const Rigid3& b_fr
         Project(camera, b_from_a * (normal.dot(x) / normal.dot(direction) * direction));
     return pixel.value_or(Eigen::Vector2d::Constant(NAN));
   };
-  // About the radius of the windows that are aligned.
-  constexpr double kStep_px = 4.0;
-  const Eigen::Vector2d h = kStep_px * Eigen::Vector2d::UnitX(),
-                        v = kStep_px * Eigen::Vector2d::UnitY();
-  const Eigen::Vector2d centre = in_b(Eigen::Vector2d::Zero()), right = in_b(h), left = in_b(-h),
-                        below = in_b(v), above = in_b(-v);
-  PatchWarp warp{.position = centre};
-  warp.linear << (right - left) / (2.0 * kStep_px), (below - above) / (2.0 * kStep_px);
-  const double square = kStep_px * kStep_px;
-  Eigen::Matrix<double, 2, 3> second;
-  second << (right + left - 2.0 * centre) / (2.0 * square),
-      (in_b(h + v) + in_b(-h - v) - in_b(h - v) - in_b(v - h)) / (4.0 * square),
-      (below + above - 2.0 * centre) / (2.0 * square);
-  warp.bend = warp.linear.inverse() * second;
-  if (!warp.position.allFinite() || !warp.linear.allFinite() || !warp.bend.allFinite()) {
-    return std::nullopt;
-  }
-  return warp;
+  return WarpOf(in_b);
 }
 
 }  // namespace rigmap

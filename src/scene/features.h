@@ -28,10 +28,12 @@ struct Feature {
   Eigen::Vector2d left;                  // px, OpenCV convention, distorted image
   std::optional<Eigen::Vector2d> right;  // its stereo match on the epipolar line
   float size = 0.0F;                     // diameter of the keypoint, px
+  // How the match moves with the keypoint, as both eyes see the surface around it.
+  Eigen::Matrix2d right_from_left = Eigen::Matrix2d::Identity();
 
   template <class Archive>
   void serialize(Archive& archive) {
-    archive(left, right, size);
+    archive(left, right, size, right_from_left);
   }
 };
 

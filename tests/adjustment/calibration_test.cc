@@ -379,13 +379,17 @@ TEST(NextRefinement, NeedsStretchesToLeaveOut) {
   EXPECT_EQ(NextRefinement(RigRefinement::kNone, now, few, prior, options), RigRefinement::kNone);
 }
 
-TEST(CalibrationError, OfAFocalLengthThatWasNotConfirmedIsWhatWasAskedForAndAtMostThePriors) {
+// One region of the image asks for it, the others for none.
+TEST(CalibrationError, OfAFocalLengthThatIsContradictedIsWhatWasAskedForAndAtMostThePriors) {
   const AdjustmentOptions options;
   const CalibrationPrior prior = PriorOf(LocCamRig(), options);
   const CalibrationVector now = CalibrationVector::Zero();
   const auto sigma = [&](RigRefinement refined, double asked) {
-    const CalibrationEquations equations =
+    CalibrationEquations equations =
         Stretches(kLogFocal, asked, prior, std::vector<double>(8, 0.0));
+    std::vector<double> scatter(8, -asked);
+    scatter[3] = 7.0 * asked;
+    equations.regions = Stretches(kLogFocal, asked, prior, scatter).stretches;
     const CalibrationMatrix error = CalibrationError(refined, now, equations, prior, options);
     return std::sqrt(error(kLogFocal, kLogFocal)) / prior.sigmas(kLogFocal);
   };
@@ -397,6 +401,59 @@ TEST(CalibrationError, OfAFocalLengthThatWasNotConfirmedIsWhatWasAskedForAndAtMo
   // Sure of little, as a long path is, they are known to little.
   EXPECT_NEAR(sigma(RigRefinement::kAllButFocal, 0.4), 0.8, 0.05);
   EXPECT_LT(sigma(RigRefinement::kAllButFocal, 0.0), 0.2);
+}
+
+// All regions and stretches ask for the same, only not for enough to follow them.
+TEST(CalibrationError, OfAFocalLengthThatNothingContradictsIsAsFarAsItIsAskedFor) {
+  const AdjustmentOptions options;
+  const CalibrationPrior prior = PriorOf(LocCamRig(), options);
+  const CalibrationVector now = CalibrationVector::Zero();
+  for (const double asked : {0.1, 0.18, 1.5}) {
+    const CalibrationEquations equations =
+        Stretches(kLogFocal, asked, prior, std::vector<double>(8, 0.0));
+    const CalibrationMatrix error =
+        CalibrationError(RigRefinement::kAllButFocal, now, equations, prior, options);
+    const auto all = MostProbable(RigRefinement::kAll, now, equations, prior, options);
+    ASSERT_TRUE(all);
+    const double expected =
+        std::hypot(all->correction(kLogFocal), std::sqrt(all->covariance(kLogFocal, kLogFocal)));
+    EXPECT_NEAR(std::sqrt(error(kLogFocal, kLogFocal)), expected, 1e-9) << asked;
+  }
+}
+
+// What only one region tells goes back to the file without it; that is no disagreement.
+TEST(CalibrationError, TakesNoPullOfTheFileForDisagreement) {
+  const AdjustmentOptions options;
+  const CalibrationPrior prior = PriorOf(LocCamRig(), options);
+  CalibrationEquations equations = Stretches(kLogFocal, 0.0, prior, std::vector<double>(8, 0.0));
+  // One region tells p2 of the right eye, all tell the focal length beside it; the file is three
+  // sigmas off in p2, which is corrected.
+  CalibrationVector truth = CalibrationVector::Zero();
+  truth(kRightP2) = 3.0 * prior.sigmas(kRightP2);
+  const auto about = [&](CalibrationBlock& block, double knows_p2) {
+    CalibrationMatrix weights = CalibrationMatrix::Zero();
+    weights.diagonal() = 100.0 * prior.sigmas.cwiseAbs2().cwiseInverse();
+    weights(kRightP2, kRightP2) *= knows_p2;
+    weights(kLogFocal, kRightP2) = weights(kRightP2, kLogFocal) =
+        0.9 * std::sqrt(knows_p2) * 100.0 / (prior.sigmas(kLogFocal) * prior.sigmas(kRightP2));
+    block.information = weights;
+  };
+  equations.information.setZero();
+  for (std::size_t i = 0; i < equations.regions.size(); ++i) {
+    about(equations.regions[i], i == 0 ? 1.0 : 0.01);
+    equations.information += equations.regions[i].information;
+  }
+  equations.score_covariance = equations.information;
+  const CalibrationVector now = truth;
+  for (CalibrationBlock& region : equations.regions) region.score.setZero();
+  equations.score.setZero();
+  const CalibrationMatrix error =
+      CalibrationError(RigRefinement::kAll, now, equations, prior, options);
+  const auto all = MostProbable(RigRefinement::kAll, now, equations, prior, options);
+  ASSERT_TRUE(all);
+  const double off = all->correction(kLogFocal) - now(kLogFocal);
+  EXPECT_NEAR(error(kLogFocal, kLogFocal), all->covariance(kLogFocal, kLogFocal) + off * off,
+              1e-6 * error(kLogFocal, kLogFocal));
 }
 
 // As with a lens that its model does not describe: each region asks for another focal length, all

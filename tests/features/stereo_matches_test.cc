@@ -72,14 +72,14 @@ TEST_F(StereoMatchesTest, AreRightToAFewHundredthsOfAPixel) {
     FeatureOptions options;
     options.half_resolution_above_mpx = limit_mpx;
     const StereoMatches stereo_matches = FindStereoMatches(Images(), rig_, left, options);
-    ASSERT_EQ(stereo_matches.right.size(), left.size());
+    ASSERT_EQ(stereo_matches.found.size(), left.size());
     std::vector<double> disparity_errors_px, row_errors_px;
     int possible = 0, wild = 0;
     for (std::size_t i = 0; i < left.size(); ++i) {
       const Eigen::Vector2d truth = Truth(left[i]);
       possible += truth.x() > 20.0 && truth.y() > 20.0 && truth.y() < 748.0 ? 1 : 0;
-      if (!stereo_matches.right[i]) continue;
-      const Eigen::Vector2d error = *stereo_matches.right[i] - truth;
+      if (!stereo_matches.found[i]) continue;
+      const Eigen::Vector2d error = stereo_matches.found[i]->right - truth;
       disparity_errors_px.push_back(std::abs(error.x()));
       row_errors_px.push_back(std::abs(error.y()));
       wild += error.norm() > 0.5 ? 1 : 0;
@@ -91,14 +91,32 @@ TEST_F(StereoMatchesTest, AreRightToAFewHundredthsOfAPixel) {
   }
 }
 
+// As level ground is sheared: a keypoint that moves by a row takes its match along by 0.9 to 1.1
+// rows and a tenth of a pixel of disparity.
+TEST_F(StereoMatchesTest, MoveWithTheirKeypointsAsTheSurfaceDoes) {
+  const auto left = SomePixels(800);
+  const StereoMatches stereo_matches = FindStereoMatches(Images(), rig_, left, {});
+  std::vector<double> errors_px, unmoved_px;
+  for (std::size_t i = 0; i < left.size(); ++i) {
+    if (!stereo_matches.found[i]) continue;
+    const Eigen::Vector2d move = random_.Noise(1.0).head<2>();
+    if (!shot_->HitAt(left[i] + move)) continue;
+    const Eigen::Vector2d moved = Truth(left[i] + move) - Truth(left[i]);
+    errors_px.push_back((stereo_matches.found[i]->right_from_left * move - moved).norm());
+    unmoved_px.push_back((move - moved).norm());
+  }
+  EXPECT_GT(errors_px.size(), 300U);
+  EXPECT_LT(Median(errors_px), 0.5 * Median(unmoved_px));
+}
+
 TEST_F(StereoMatchesTest, AreOneToOne) {
   auto left = SomePixels(300);
   // Many claim the same position.
   for (int i = 0; i < 100; ++i) left.push_back(left[i] + random_.Noise(0.05).head<2>());
   const StereoMatches stereo_matches = FindStereoMatches(Images(), rig_, left, {});
   std::vector<std::pair<int, int>> pixels;
-  for (const auto& right : stereo_matches.right) {
-    if (right) pixels.emplace_back(cvRound(right->x()), cvRound(right->y()));
+  for (const auto& match : stereo_matches.found) {
+    if (match) pixels.emplace_back(cvRound(match->right.x()), cvRound(match->right.y()));
   }
   EXPECT_GT(pixels.size(), 150u);
   std::sort(pixels.begin(), pixels.end());
@@ -112,8 +130,8 @@ TEST_F(StereoMatchesTest, AreFoundWhereRowsAreOff) {
   options.half_resolution_above_mpx = 1.0;  // at full resolution the back search is the narrowest
   const StereoMatches straight = FindStereoMatches(Images(), rig_, left, options);
   const auto count = [](const StereoMatches& stereo_matches) {
-    return std::count_if(stereo_matches.right.begin(), stereo_matches.right.end(),
-                         [](const auto& right) { return right.has_value(); });
+    return std::count_if(stereo_matches.found.begin(), stereo_matches.found.end(),
+                         [](const auto& match) { return match.has_value(); });
   };
   for (const double rows : {2.0, -2.0, 3.0}) {
     // The calibration is off, not the images.
@@ -128,11 +146,11 @@ TEST_F(StereoMatchesTest, AreFoundWhereRowsAreOff) {
     const double allowed_px = std::abs(rows) / 3.0 + 0.1;
     int wild = 0;
     for (std::size_t i = 0; i < left.size(); ++i) {
-      if (!found.right[i]) continue;
-      const auto error = EpipolarErrorPx(wrong, left[i], *found.right[i]);
+      if (!found.found[i]) continue;
+      const auto error = EpipolarErrorPx(wrong, left[i], found.found[i]->right);
       ASSERT_TRUE(error);
       wild += std::abs(std::abs(*error) - std::abs(rows)) > allowed_px ? 1 : 0;
-      offs_px.push_back((*found.right[i] - Truth(left[i])).norm());
+      offs_px.push_back((found.found[i]->right - Truth(left[i])).norm());
     }
     EXPECT_LE(wild, static_cast<int>(offs_px.size() / 100)) << rows;
     EXPECT_LT(Median(offs_px), 0.1) << rows;
@@ -144,10 +162,11 @@ TEST_F(StereoMatchesTest, RightMaskIsHonoured) {
   images.right_mask.colRange(400, 700).setTo(0);
   const StereoMatches stereo_matches = FindStereoMatches(images, rig_, SomePixels(300), {});
   int found = 0;
-  for (const auto& right : stereo_matches.right) {
-    if (!right) continue;
+  for (const auto& match : stereo_matches.found) {
+    if (!match) continue;
     ++found;
-    EXPECT_FALSE(right->x() > 399.5 && right->x() < 699.5) << right->transpose();
+    const Eigen::Vector2d& right = match->right;
+    EXPECT_FALSE(right.x() > 399.5 && right.x() < 699.5) << right.transpose();
   }
   EXPECT_GT(found, 80);
 }
@@ -158,13 +177,13 @@ TEST_F(StereoMatchesTest, NoneOnFlatGrey) {
   flat.right.setTo(120);
   const auto left = SomePixels(200);
   const StereoMatches nothing = FindStereoMatches(flat, rig_, left, {});
-  ASSERT_EQ(nothing.right.size(), left.size());
-  for (const auto& right : nothing.right) EXPECT_FALSE(right);
+  ASSERT_EQ(nothing.found.size(), left.size());
+  for (const auto& match : nothing.found) EXPECT_FALSE(match);
   EXPECT_TRUE(nothing.epipolar_errors_px.empty());
   // Nor where only noise is left of them.
   flat.left = Disturbed(flat.left, 3.0, 3);
   flat.right = Disturbed(flat.right, 3.0, 4);
-  for (const auto& right : FindStereoMatches(flat, rig_, left, {}).right) EXPECT_FALSE(right);
+  for (const auto& match : FindStereoMatches(flat, rig_, left, {}).found) EXPECT_FALSE(match);
 }
 
 TEST_F(StereoMatchesTest, NoneWhereTheTextureRepeats) {
@@ -178,8 +197,8 @@ TEST_F(StereoMatchesTest, NoneWhereTheTextureRepeats) {
     }
   }
   const StereoMatches stereo_matches = FindStereoMatches(images, rig_, SomePixels(200), {});
-  const auto found = std::count_if(stereo_matches.right.begin(), stereo_matches.right.end(),
-                                   [](const auto& right) { return right.has_value(); });
+  const auto found = std::count_if(stereo_matches.found.begin(), stereo_matches.found.end(),
+                                   [](const auto& match) { return match.has_value(); });
   EXPECT_LE(found, 4);
 }
 
@@ -187,7 +206,12 @@ TEST_F(StereoMatchesTest, SameImagesSameStereoMatches) {
   const auto left = SomePixels(100);
   const StereoMatches first = FindStereoMatches(Images(), rig_, left, {});
   const StereoMatches second = FindStereoMatches(Images(), rig_, left, {});
-  EXPECT_EQ(first.right, second.right);
+  for (std::size_t i = 0; i < left.size(); ++i) {
+    ASSERT_EQ(first.found[i].has_value(), second.found[i].has_value());
+    if (!first.found[i]) continue;
+    EXPECT_EQ(first.found[i]->right, second.found[i]->right);
+    EXPECT_EQ(first.found[i]->right_from_left, second.found[i]->right_from_left);
+  }
   EXPECT_EQ(first.epipolar_errors_px, second.epipolar_errors_px);
 }
 

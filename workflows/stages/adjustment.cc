@@ -10,6 +10,7 @@
 
 #include "adjustment/carry_groups.h"
 #include "matching/loop_closures_by_rig.h"
+#include "matching/match_frames.h"
 #include "odometry/track_frames.h"
 #include "pipeline/code_identity.h"
 #include "pose_graph/relax_poses.h"
@@ -62,7 +63,7 @@ struct Adjuster {
   const AdjustmentGateOptions& gates;
 
   AdjustedPart From(StartingFrom from) const {
-    return From(from == StartingFrom::kMapping ? mapped : Poses(),
+    return From(from == StartingFrom::kMapping ? mapped : Poses(), matches,
                 {odometry, matches.loop_closures}, RigRefinement::kNone, CalibrationVector::Zero());
   }
 
@@ -72,14 +73,24 @@ struct Adjuster {
     return is_mapped && !AllPassed(of_mapping) ? ways.otherwise : ways.planned;
   }
 
-  // With the rig that `part` has found to be the right one.
+  // With the rig that `part` has found to be the right one. Matches had to agree with the other:
+  // where that moves a pixel by more than their noise only some did, and those that by chance
+  // agree.
   AdjustedPart WithItsRig(const AdjustedPart& part) const {
-    AdjustedPart anew =
-        From({}, MotionsWith(part), part.adjustment.refined, part.adjustment.rig_correction);
-    anew.remarks.push_back(
-        "the images contradict the calibration: the rig was corrected (rig_refined.yaml), the "
-        "odometry done anew with it");
-    return anew;
+    const bool matches_anew = part.adjustment.correction_px > matching.keypoint_noise_px;
+    Motions motions = MotionsWith(part);
+    std::optional<Correspondences> anew;
+    if (matches_anew) {
+      anew = MatchFrames(motions.steps, features.AsSource(), part.adjustment.rig, matching);
+      motions.loop_closures = anew->loop_closures;
+    }
+    AdjustedPart measured_anew = From({}, anew ? *anew : matches, std::move(motions),
+                                      part.adjustment.refined, part.adjustment.rig_correction);
+    measured_anew.remarks.push_back(fmt::format(
+        "the images contradict the calibration: the rig was corrected (rig_refined.yaml), {} anew "
+        "with it",
+        matches_anew ? "odometry and matching done" : "the odometry done"));
+    return measured_anew;
   }
 
   Gates Judge(const AdjustedPart& part) const {
@@ -100,12 +111,12 @@ struct Adjuster {
     Adjustment adjustment;
   };
 
-  AdjustedPart From(const Poses& start, Motions motions, RigRefinement refined,
-                    const CalibrationVector& correction) const {
+  AdjustedPart From(const Poses& start, const Correspondences& correspondences, Motions motions,
+                    RigRefinement refined, const CalibrationVector& correction) const {
     const auto adjusted = [&](Poses starting, std::vector<int> apart) {
       Sides sides{std::move(starting), std::move(apart), {}};
-      sides.adjustment = AdjustBundle({matches, dataset.rig, sides.starting, refined, correction,
-                                       sides.apart, ReferencesOf(motions.steps)},
+      sides.adjustment = AdjustBundle({correspondences, dataset.rig, sides.starting, refined,
+                                       correction, sides.apart, ReferencesOf(motions.steps)},
                                       options);
       return sides;
     };
