@@ -277,13 +277,17 @@ TEST_F(SimulatedPartTest, WithAWrongRigIsCorrectedOrNotTrusted) {
   const json summary = JsonOf(out_ / "summary.json");
   EXPECT_EQ(summary["rig"]["refined"], true);
   EXPECT_THAT(summary["mapping"]["remarks"].dump(), testing::HasSubstr("contradict"));
+  EXPECT_THAT(summary["mapping"]["remarks"].dump(),
+              testing::HasSubstr("odometry and matching done anew"));
   EXPECT_NEAR(ReadRigFile(out_ / "rig_refined.yaml").Baseline(), 0.12, 1e-3);
   const ProgramEnd metrics =
       RunRigmap({"evaluate", out_, "--truth", data / "groundtruth_tum.txt", "--json"});
   const double scale_95_pct = summary["verdict"]["scale_95_pct"];
   EXPECT_LT(json::parse(metrics.out)["scale_error_pct"], scale_95_pct);
   EXPECT_LT(scale_95_pct, 1.0);  // 12 with the wrong rig
-  EXPECT_NEAR(summary["rig"]["infinity_offset_px"], 2.0, 0.1);
+  const double infinity_sigma_px = summary["rig"]["infinity_offset_sigma_px"];
+  EXPECT_NEAR(summary["rig"]["infinity_offset_px"], 2.0, 3.0 * infinity_sigma_px);
+  EXPECT_LT(infinity_sigma_px, 0.03);
   // With the pool of itself alone it begins as it did before.
   const fs::path rig_out = folder_.Path() / "pooled.yaml", again = folder_.Path() / "again";
   const ProgramEnd pooled = RunRigmap({"calibrate", out_, "--rig-out", rig_out});
