@@ -89,21 +89,6 @@ CalibrationVector WithoutBlock(const CalibrationVector& freed, const Calibration
 
 }  // namespace
 
-std::optional<CalibrationStep> RotationAndFocalStep(const CalibrationEquations& equations) {
-  const Eigen::Matrix4d information = equations.information.topLeftCorner<4, 4>();
-  const Eigen::LDLT<Eigen::Matrix4d> solver(information);
-  if (solver.info() != Eigen::Success || !solver.isPositive()) return std::nullopt;
-  const Eigen::Matrix4d inverse = information.inverse();
-  const Eigen::Matrix4d found =
-      inverse * equations.score_covariance.topLeftCorner<4, 4>() * inverse;
-  const Eigen::Vector4d step = inverse * equations.score.head<4>();
-  const Eigen::Vector4d independent = inverse.diagonal().cwiseSqrt();
-  const Eigen::Vector4d sigma = independent.cwiseMax(found.diagonal().cwiseSqrt());
-  if (!step.allFinite() || !(independent.minCoeff() > 0.0)) return std::nullopt;
-  return CalibrationStep{step.head<3>(), sigma.head<3>(), independent.head<3>(),
-                         step(3),        sigma(3),        independent(3)};
-}
-
 double Inflation(const CalibrationEquations& equations, const AdjustmentOptions& options) {
   const CalibrationMatrix ratio = equations.information.ldlt().solve(equations.score_covariance);
   const double mean = ratio.diagonal().mean();
@@ -260,13 +245,14 @@ CalibrationMatrix CalibrationErrorElsewhere(RigRefinement refined, const Calibra
                                             const CalibrationEquations& equations,
                                             const CalibrationPrior& prior,
                                             const AdjustmentOptions& options) {
-  const CalibrationMatrix error = CalibrationError(refined, now, equations, prior, options);
+  CalibrationMatrix error = CalibrationError(refined, now, equations, prior, options);
   const auto all = MostProbable(RigRefinement::kAll, now, equations, prior, options);
   if (!all || !IsFocalRejected(refined, now, *all, equations, prior, options)) return error;
   CalibrationVector followed =
       (all->correction(kLogFocal) - now(kLogFocal)) * FollowingFocal(all->covariance);
   followed(kLogFocal) = 0.0;
-  return error + followed * followed.transpose();
+  error += followed * followed.transpose();
+  return error;
 }
 
 RigRefinement NextRefinement(RigRefinement refined, const CalibrationVector& now,

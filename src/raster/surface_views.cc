@@ -101,11 +101,11 @@ template <class Take>
 void ForEachPixel(const View& view, const Eigen::Array2d& low_px, const Eigen::Array2d& high_px,
                   Take take) {
   const Eigen::Array2d limit_px(view.size_px.width - 1, view.size_px.height - 1);
-  const Eigen::Array2d first = low_px.floor().max(0.0), last = high_px.floor().min(limit_px);
-  for (double row = first.y(); row <= last.y(); ++row) {
-    for (double column = first.x(); column <= last.x(); ++column) {
-      take(static_cast<int>(column), static_cast<int>(row));
-    }
+  if (!((low_px < limit_px + 1.0).all() && (high_px >= 0.0).all())) return;
+  const Eigen::Array2i first = low_px.floor().max(0.0).cast<int>();
+  const Eigen::Array2i last = high_px.floor().min(limit_px).cast<int>();
+  for (int row = first.y(); row <= last.y(); ++row) {
+    for (int column = first.x(); column <= last.x(); ++column) take(column, row);
   }
 }
 
