@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <opencv2/core/hal/intrin.hpp>
 #include <unordered_map>
 
 #include "geometry/tile_index.h"
@@ -11,12 +12,14 @@ namespace rigmap {
 namespace {
 
 int SquaredDistance(const Descriptor& a, const Descriptor& b) {
-  int sum = 0;
-  for (int i = 0; i < kDescriptorSize; ++i) {
-    const int difference = static_cast<int>(a[i]) - static_cast<int>(b[i]);
-    sum += difference * difference;
+  using Bytes = cv::v_uint8x16;
+  static_assert(kDescriptorSize % Bytes::nlanes == 0);
+  cv::v_uint32x4 sum = cv::v_setzero_u32();
+  for (int i = 0; i < kDescriptorSize; i += Bytes::nlanes) {
+    const Bytes difference = cv::v_absdiff(cv::v_load(a.data() + i), cv::v_load(b.data() + i));
+    sum += cv::v_dotprod_expand_fast(difference, difference);
   }
-  return sum;
+  return static_cast<int>(cv::v_reduce_sum(sum));
 }
 
 struct Best {

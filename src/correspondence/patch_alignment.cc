@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <opencv2/core/hal/intrin.hpp>
+#include <vector>
 
 namespace rigmap {
 namespace {
@@ -15,38 +17,94 @@ using Matrix6 = Eigen::Matrix<double, 6, 6>;
 constexpr int kMaxRadius = 10;
 constexpr int kMaxSamples = (2 * kMaxRadius + 1) * (2 * kMaxRadius + 1);
 
-// The template: grey values without their mean plane, of unit variance, and what a change of each
-// warp parameter does to them.
-struct Template {
+// Four samples at a time, whatever the processor could do: results are the same on all of them.
+using Four = cv::v_float32x4;
+constexpr int kLanes = Four::nlanes;
+using Samples = std::array<float, (kMaxSamples + kLanes - 1) / kLanes * kLanes>;
+
+Four At(const Samples& samples, int i) { return cv::v_load(samples.data() + i); }
+void Set(Samples& samples, int i, const Four& values) { cv::v_store(samples.data() + i, values); }
+Four Nought() { return cv::v_setzero_f32(); }
+Four All(double value) { return cv::v_setall_f32(static_cast<float>(value)); }
+double Sum(const Four& values) { return cv::v_reduce_sum(values); }
+
+// What only depends on the radius of a window: row by row, and up to the next multiple of four of
+// no weight.
+struct WindowShape {
+  explicit WindowShape(int radius) {
+    const double spread = 0.7 * radius;
+    for (int y = -radius; y <= radius; ++y) {
+      for (int x = -radius; x <= radius; ++x) {
+        const double gaussian = std::exp(-0.5 * (x * x + y * y) / (spread * spread));
+        column[count] = static_cast<float>(x);
+        row[count] = static_cast<float>(y);
+        weight[count++] = static_cast<float>(gaussian);
+        weight_sum += gaussian;
+        moment += gaussian * x * x;
+      }
+    }
+  }
+
   int count = 0;
   double weight_sum = 0.0;
-  double moment = 0.0;     // px^2, weighted sum of the squared columns, and so of the rows
+  double moment = 0.0;  // px^2, weighted sum of the squared columns, and so of the rows
+  Samples column{}, row{}, weight{};
+};
+
+const WindowShape& ShapeOf(int radius) {
+  static const auto kShapes = [] {
+    std::vector<WindowShape> shapes;
+    for (int r = 0; r < kMaxRadius; ++r) shapes.emplace_back(r);
+    return shapes;
+  }();
+  return kShapes[radius];
+}
+
+// The template: grey values without their mean plane, of unit variance, and what a change of each
+// warp parameter does to them, times the weights.
+struct Template {
+  explicit Template(const WindowShape& of) : shape(of) {}
+
+  const WindowShape& shape;
   double deviation = 0.0;  // grey levels, before it was normalised
-  std::array<double, kMaxSamples> column, row;
-  std::array<Eigen::Vector2d, kMaxSamples> offset;
-  std::array<double, kMaxSamples> grey, weight;
-  std::array<Vector6, kMaxSamples> gradient;
+  Samples grey{};
+  std::array<Samples, 6> weighted_gradient{};
   Matrix6 hessian = Matrix6::Zero();
 };
 
-// Normalises `grey` in place; the standard deviation found, or nothing for a flat window. The
-// weights are alike to all sides, so that mean and slopes are found one by one.
-std::optional<double> Normalise(const Template& window, std::array<double, kMaxSamples>& grey) {
-  double square = 0.0;
-  Eigen::Vector3d plane = Eigen::Vector3d::Zero();
-  for (int i = 0; i < window.count; ++i) {
-    plane += window.weight[i] * grey[i] * Eigen::Vector3d(1.0, window.column[i], window.row[i]);
+// Takes the mean plane off `grey`. The weights are alike to all sides, so that mean and slopes are
+// found one by one.
+void TakeOffPlane(const WindowShape& shape, Samples& grey) {
+  Four mean = Nought(), across = Nought(), down = Nought();
+  for (int i = 0; i < shape.count; i += kLanes) {
+    const Four weighted = At(shape.weight, i) * At(grey, i);
+    mean += weighted;
+    across += weighted * At(shape.column, i);
+    down += weighted * At(shape.row, i);
   }
-  plane[0] /= window.weight_sum;
-  plane.tail<2>() /= window.moment;
-  for (int i = 0; i < window.count; ++i) {
-    grey[i] -= plane[0] + plane[1] * window.column[i] + plane[2] * window.row[i];
-    square += window.weight[i] * grey[i] * grey[i];
+  mean = All(Sum(mean) / shape.weight_sum);
+  across = All(Sum(across) / shape.moment);
+  down = All(Sum(down) / shape.moment);
+  for (int i = 0; i < shape.count; i += kLanes) {
+    const Four tilt = mean + across * At(shape.column, i) + down * At(shape.row, i);
+    Set(grey, i, At(grey, i) - tilt);
+  }
+}
+
+// Normalises `grey` in place; the standard deviation found, or nothing for a flat window.
+std::optional<double> Normalise(const WindowShape& shape, Samples& grey) {
+  TakeOffPlane(shape, grey);
+  Four square = Nought();
+  for (int i = 0; i < shape.count; i += kLanes) {
+    const Four value = At(grey, i);
+    square += At(shape.weight, i) * value * value;
   }
   constexpr double kFlatGrey = 1.0;  // below one grey level there is only quantisation
-  const double deviation = std::sqrt(square / window.weight_sum);
+  const double deviation = std::sqrt(Sum(square) / shape.weight_sum);
   if (!(deviation > kFlatGrey)) return std::nullopt;
-  for (int i = 0; i < window.count; ++i) grey[i] /= deviation;
+  for (int i = 0; i < shape.count; i += kLanes) {
+    Set(grey, i, At(grey, i) * All(1.0 / deviation));
+  }
   return deviation;
 }
 
@@ -57,120 +115,159 @@ bool Inside(const GreyView& image, const Eigen::Vector2i& centre, int radius) {
 
 // What of the gradient only changes plane or deviation is undone by the normalisation: without
 // taking it off, steps are too short and the search stops before the place.
-void TakeOffBrightness(Template& window) {
-  Vector6 mean = Vector6::Zero(), across = Vector6::Zero(), down = Vector6::Zero(),
-          along = Vector6::Zero();
-  for (int i = 0; i < window.count; ++i) {
-    const Vector6 weighted = window.weight[i] * window.gradient[i];
-    mean += weighted / window.weight_sum;
-    across += window.column[i] / window.moment * weighted;
-    down += window.row[i] / window.moment * weighted;
-    along += window.grey[i] / window.weight_sum * weighted;
+void TakeOffBrightness(const Template& window, Samples& gradient) {
+  TakeOffPlane(window.shape, gradient);
+  Four along = Nought();
+  for (int i = 0; i < window.shape.count; i += kLanes) {
+    const Four weighted = At(window.shape.weight, i) * At(gradient, i);
+    along += weighted * At(window.grey, i);
   }
-  for (int i = 0; i < window.count; ++i) {
-    window.gradient[i] -=
-        mean + window.column[i] * across + window.row[i] * down + window.grey[i] * along;
+  along = All(Sum(along) / window.shape.weight_sum);
+  for (int i = 0; i < window.shape.count; i += kLanes) {
+    Set(gradient, i, At(gradient, i) - along * At(window.grey, i));
   }
 }
 
-// Gaussian, row by row.
-const std::array<double, kMaxSamples>& WindowWeights(int radius) {
-  static const auto kOfRadius = [] {
-    std::array<std::array<double, kMaxSamples>, kMaxRadius> weights{};
-    for (int r = 1; r < kMaxRadius; ++r) {
-      const double spread = 0.7 * r;
-      int i = 0;
-      for (int y = -r; y <= r; ++y) {
-        for (int x = -r; x <= r; ++x) {
-          weights[r][i++] = std::exp(-0.5 * (x * x + y * y) / (spread * spread));
-        }
+// Weighted gradients and hessian, from the slopes of the grey values (1/px, normalised).
+void Linearise(const Samples& across, const Samples& down, Template& window) {
+  const WindowShape& shape = window.shape;
+  std::array<Samples, 6> gradient;
+  for (int i = 0; i < shape.count; i += kLanes) {
+    const Four dx = At(across, i), dy = At(down, i), x = At(shape.column, i), y = At(shape.row, i);
+    Set(gradient[0], i, dx * x);
+    Set(gradient[1], i, dx * y);
+    Set(gradient[2], i, dy * x);
+    Set(gradient[3], i, dy * y);
+    Set(gradient[4], i, dx);
+    Set(gradient[5], i, dy);
+  }
+  for (int a = 0; a < 6; ++a) {
+    TakeOffBrightness(window, gradient[a]);
+    for (int i = 0; i < shape.count; i += kLanes) {
+      Set(window.weighted_gradient[a], i, At(shape.weight, i) * At(gradient[a], i));
+    }
+    for (int b = 0; b <= a; ++b) {
+      Four sum = Nought();
+      for (int i = 0; i < shape.count; i += kLanes) {
+        sum += At(window.weighted_gradient[a], i) * At(gradient[b], i);
       }
-    }
-    return weights;
-  }();
-  return kOfRadius[radius];
-}
-
-bool MakeTemplate(const GreyView& source, const Eigen::Vector2i& centre, int radius,
-                  Template& window) {
-  if (radius > kMaxRadius - 1 || !Inside(source, centre, radius + 1)) return false;
-  const std::array<double, kMaxSamples>& weights = WindowWeights(radius);
-  const std::uint8_t* middle = source.data + centre.y() * source.stride + centre.x();
-  std::array<Eigen::Vector2d, kMaxSamples> slope;
-  for (int y = -radius; y <= radius; ++y) {
-    for (int x = -radius; x <= radius; ++x) {
-      const std::uint8_t* pixel = middle + y * source.stride + x;
-      const int i = window.count++;
-      window.offset[i] = {x, y};
-      window.grey[i] = *pixel;
-      window.weight[i] = weights[i];
-      window.weight_sum += window.weight[i];
-      window.column[i] = x;
-      window.row[i] = y;
-      window.moment += window.weight[i] * x * x;
-      slope[i] = {0.5 * (pixel[1] - pixel[-1]),
-                  0.5 * (pixel[source.stride] - pixel[-source.stride])};
+      window.hessian(a, b) = window.hessian(b, a) = Sum(sum);
     }
   }
-  const std::optional<double> deviation = Normalise(window, window.grey);
+}
+
+// False where the window leaves the image or is flat.
+bool FillTemplate(const GreyView& source, const Eigen::Vector2i& centre, int radius,
+                  Template& window) {
+  const std::uint8_t* middle = source.data + centre.y() * source.stride + centre.x();
+  Samples across{}, down{};
+  int i = 0;
+  for (int y = -radius; y <= radius; ++y) {
+    const std::uint8_t* pixel = middle + y * source.stride - radius;
+    for (int x = -radius; x <= radius; ++x, ++pixel, ++i) {
+      window.grey[i] = *pixel;
+      across[i] = 0.5F * static_cast<float>(pixel[1] - pixel[-1]);
+      down[i] = 0.5F * static_cast<float>(pixel[source.stride] - pixel[-source.stride]);
+    }
+  }
+  const std::optional<double> deviation = Normalise(window.shape, window.grey);
   if (!deviation) return false;
   window.deviation = *deviation;
-  for (int i = 0; i < window.count; ++i) {
-    const Eigen::Vector2d g = slope[i] / *deviation;
-    const Eigen::Vector2d& u = window.offset[i];
-    window.gradient[i] << g.x() * u.x(), g.x() * u.y(), g.y() * u.x(), g.y() * u.y(), g.x(), g.y();
+  for (i = 0; i < window.shape.count; i += kLanes) {
+    Set(across, i, At(across, i) * All(1.0 / *deviation));
+    Set(down, i, At(down, i) * All(1.0 / *deviation));
   }
-  TakeOffBrightness(window);
-  for (int i = 0; i < window.count; ++i) {
-    window.hessian += window.weight[i] * window.gradient[i] * window.gradient[i].transpose();
-  }
+  Linearise(across, down, window);
   return true;
 }
 
 // Weights of the four pixels around a place `share` beyond the second (Keys 1981, a = -1/2).
-std::array<double, 4> CubicWeights(double share) {
-  const double t = share, t2 = t * t, t3 = t2 * t;
-  return {0.5 * (-t3 + 2.0 * t2 - t), 0.5 * (3.0 * t3 - 5.0 * t2 + 2.0),
-          0.5 * (-3.0 * t3 + 4.0 * t2 + t), 0.5 * (t3 - t2)};
+Four CubicWeights(float share) {
+  const Four t = cv::v_setall_f32(share);
+  Four weights(-0.5F, 1.5F, -1.5F, 0.5F);
+  weights = weights * t + Four(1.0F, -2.5F, 2.0F, -0.5F);
+  weights = weights * t + Four(-0.5F, 0.0F, 0.5F, 0.0F);
+  return weights * t + Four(0.0F, 1.0F, 0.0F, 0.0F);
 }
 
-double Cubic(const GreyView& image, const Eigen::Vector2d& x) {
+Four FourPixels(const std::uint8_t* pixels) {
+  return cv::v_cvt_f32(cv::v_reinterpret_as_s32(cv::v_load_expand_q(pixels)));
+}
+
+float Cubic(const GreyView& image, const Eigen::Vector2d& x) {
   const int column = static_cast<int>(x.x()), row = static_cast<int>(x.y());
-  const std::array<double, 4> across = CubicWeights(x.x() - column);
-  const std::array<double, 4> down = CubicWeights(x.y() - row);
-  double sum = 0.0;
+  const Four across = CubicWeights(static_cast<float>(x.x() - column));
+  const Four down = CubicWeights(static_cast<float>(x.y() - row));
+  const auto weighted = [&](const std::uint8_t* a, const std::uint8_t* b, const std::uint8_t* c,
+                            const std::uint8_t* d) {
+    Four sum = cv::v_broadcast_element<0>(down) * FourPixels(a);
+    sum += cv::v_broadcast_element<1>(down) * FourPixels(b);
+    sum += cv::v_broadcast_element<2>(down) * FourPixels(c);
+    sum += cv::v_broadcast_element<3>(down) * FourPixels(d);
+    return cv::v_reduce_sum(across * sum);
+  };
   if (column > 0 && row > 0 && column + 2 < image.width && row + 2 < image.height) {
     const std::uint8_t* pixels = image.data + (row - 1) * image.stride + column - 1;
-    for (int i = 0; i < 4; ++i, pixels += image.stride) {
-      sum += down[i] * (across[0] * pixels[0] + across[1] * pixels[1] + across[2] * pixels[2] +
-                        across[3] * pixels[3]);
-    }
-    return sum;
+    return weighted(pixels, pixels + image.stride, pixels + 2 * image.stride,
+                    pixels + 3 * image.stride);
   }
-  for (int i = 0; i < 4; ++i) {
-    // Beyond the border the nearest pixel is repeated.
-    const std::uint8_t* pixels =
+  // Beyond the border the nearest pixel is repeated.
+  std::array<std::array<std::uint8_t, kLanes>, kLanes> pixels{};
+  for (int i = 0; i < kLanes; ++i) {
+    const std::uint8_t* line =
         image.data + std::clamp(row + i - 1, 0, image.height - 1) * image.stride;
-    const double line = across[0] * pixels[std::max(column - 1, 0)] + across[1] * pixels[column] +
-                        across[2] * pixels[column + 1] +
-                        across[3] * pixels[std::min(column + 2, image.width - 1)];
-    sum += down[i] * line;
+    for (int j = 0; j < kLanes; ++j) {
+      pixels[i][j] = line[std::clamp(column + j - 1, 0, image.width - 1)];
+    }
   }
-  return sum;
+  return weighted(pixels[0].data(), pixels[1].data(), pixels[2].data(), pixels[3].data());
+}
+
+// Where in the target the samples are looked for, but for the warp that is searched.
+using Offsets = std::array<Eigen::Vector2d, kMaxSamples>;
+
+Offsets BentOffsets(const WindowShape& shape, const PatchWarp& start) {
+  Offsets offsets;
+  for (int i = 0; i < shape.count; ++i) {
+    offsets[i] = start.Bent({shape.column[i], shape.row[i]});
+  }
+  return offsets;
 }
 
 // Cubic samples of the target under the warp; false where one falls outside. Bilinear ones would
 // blur where they fall between pixels, which draws the window aside by up to 0.1 px.
-bool Sample(const GreyView& target, const Template& window, const PatchWarp& warp,
-            std::array<double, kMaxSamples>& grey) {
-  for (int i = 0; i < window.count; ++i) {
-    const Eigen::Vector2d x = warp.position + warp.linear * window.offset[i];
+bool Sample(const GreyView& target, int count, const Offsets& offsets, const PatchWarp& warp,
+            Samples& grey) {
+  for (int i = 0; i < count; ++i) {
+    const Eigen::Vector2d x = warp.position + warp.linear * offsets[i];
     if (!(x.x() >= 0.0 && x.y() >= 0.0 && x.x() < target.width - 1 && x.y() < target.height - 1)) {
       return false;
     }
     grey[i] = Cubic(target, x);
   }
   return true;
+}
+
+// What the samples say of the next step.
+struct Residuals {
+  Vector6 gradient;
+  double square = 0.0;  // weighted sum
+};
+
+Residuals ResidualsOf(const Template& window, const Samples& grey) {
+  std::array<Four, 6> gradient;
+  gradient.fill(Nought());
+  Four square = Nought();
+  for (int i = 0; i < window.shape.count; i += kLanes) {
+    const Four residual = At(grey, i) - At(window.grey, i);
+    square += At(window.shape.weight, i) * residual * residual;
+    for (int a = 0; a < 6; ++a) {
+      gradient[a] += At(window.weighted_gradient[a], i) * residual;
+    }
+  }
+  Residuals residuals{.square = Sum(square)};
+  for (int a = 0; a < 6; ++a) residuals.gradient[a] = Sum(gradient[a]);
+  return residuals;
 }
 
 // warp := warp o (increment)^-1
@@ -192,7 +289,7 @@ double PositionSigma(const Matrix6& hessian, double residual_square, const Templ
   // texture of an edge along itself is nothing but such noise.
   constexpr double kLeastNoiseGrey = 0.6;
   const double least = std::pow(kLeastNoiseGrey / window.deviation, 2);
-  const double variance = std::max(residual_square / window.weight_sum, least);
+  const double variance = std::max(residual_square / window.shape.weight_sum, least);
   const Matrix6 covariance = hessian.inverse() * variance;
   const Eigen::Matrix2d position = covariance.bottomRightCorner<2, 2>();
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> eigen(position, Eigen::EigenvaluesOnly);
@@ -204,29 +301,27 @@ double PositionSigma(const Matrix6& hessian, double residual_square, const Templ
 std::optional<PatchAlignment> AlignPatch(const GreyView& source, const Eigen::Vector2i& centre,
                                          const GreyView& target, const PatchWarp& start,
                                          const PatchAlignmentOptions& options) {
-  Template window;
-  if (!MakeTemplate(source, centre, options.radius_px, window)) return std::nullopt;
+  const int radius = options.radius_px;
+  if (radius >= kMaxRadius || !Inside(source, centre, radius + 1)) return std::nullopt;
+  Template window(ShapeOf(radius));
+  if (!FillTemplate(source, centre, radius, window)) return std::nullopt;
   const Eigen::LDLT<Matrix6> solver(window.hessian);
   if (solver.info() != Eigen::Success || !(solver.rcond() > 1e-8)) return std::nullopt;
-  // The bend is not searched.
-  for (int i = 0; i < window.count; ++i) window.offset[i] = start.Bent(window.offset[i]);
+  const Offsets offsets = BentOffsets(window.shape, start);  // the bend is not searched
   PatchAlignment result{.warp = start};
-  std::array<double, kMaxSamples> grey;
+  Samples grey{};
   for (int iteration = 0; iteration < options.max_iterations; ++iteration) {
-    if (!Sample(target, window, result.warp, grey) || !Normalise(window, grey)) return std::nullopt;
-    Vector6 gradient = Vector6::Zero();
-    double square = 0.0;
-    for (int i = 0; i < window.count; ++i) {
-      const double residual = grey[i] - window.grey[i];
-      gradient += window.weight[i] * residual * window.gradient[i];
-      square += window.weight[i] * residual * residual;
+    if (!Sample(target, window.shape.count, offsets, result.warp, grey) ||
+        !Normalise(window.shape, grey)) {
+      return std::nullopt;
     }
-    const Vector6 step = solver.solve(gradient);
+    const Residuals residuals = ResidualsOf(window, grey);
+    const Vector6 step = solver.solve(residuals.gradient);
     Compose(result.warp, step);
     if (Strayed(result.warp, start, options)) return std::nullopt;
     if (step.tail<2>().norm() < options.converged_px) {
-      result.correlation = 1.0 - 0.5 * square / window.weight_sum;
-      result.sigma_px = PositionSigma(window.hessian, square, window);
+      result.correlation = 1.0 - 0.5 * residuals.square / window.shape.weight_sum;
+      result.sigma_px = PositionSigma(window.hessian, residuals.square, window);
       return result;
     }
   }

@@ -7,24 +7,65 @@
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "features/epipolar_search.cc"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+#ifndef RIGMAP_FEATURES_EPIPOLAR_SEARCH
+#define RIGMAP_FEATURES_EPIPOLAR_SEARCH
 namespace rigmap {
+
+constexpr int kWindowRadius = 4;  // 9 x 9 pixels of the reduced image
+constexpr int kWindowSize = 2 * kWindowRadius + 1;
+constexpr int kPaddedSize = 16;  // of a window's row
+
+}  // namespace rigmap
+#endif
+
+HWY_BEFORE_NAMESPACE();
+namespace rigmap {
+namespace HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+// Sum of the products of a window's padded rows with rows of pixels.
+int SumOfProducts(const std::int16_t* window, const std::uint8_t* pixels, std::size_t stride) {
+  const hn::CappedTag<std::int16_t, kPaddedSize> d;
+  const hn::Rebind<std::uint8_t, decltype(d)> bytes;
+  const hn::RepartitionToWide<decltype(d)> wide;
+  auto sum = hn::Zero(wide), other = hn::Zero(wide);
+  for (int y = 0; y < kWindowSize; ++y, window += kPaddedSize, pixels += stride) {
+    for (int x = 0; x < kPaddedSize; x += static_cast<int>(hn::Lanes(d))) {
+      const auto b = hn::PromoteTo(d, hn::LoadU(bytes, pixels + x));
+      sum = hn::ReorderWidenMulAccumulate(wide, hn::LoadU(d, window + x), b, sum, other);
+    }
+  }
+  return hn::GetLane(hn::SumOfLanes(wide, hn::Add(sum, other)));
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace rigmap
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace rigmap {
+
+HWY_EXPORT(SumOfProducts);
+
 namespace {
 
-constexpr int kRadius = 4;  // 9 x 9 pixels of the reduced image
-constexpr int kSize = 2 * kRadius + 1;
-constexpr int kArea = kSize * kSize;
-constexpr int kPaddedSize = 16;
+constexpr int kArea = kWindowSize * kWindowSize;
 
 bool Inside(const cv::Mat& image, const cv::Point& at) {
-  return at.x >= kRadius && at.y >= kRadius && at.x < image.cols - kRadius &&
-         at.y < image.rows - kRadius;
+  return at.x >= kWindowRadius && at.y >= kWindowRadius && at.x < image.cols - kWindowRadius &&
+         at.y < image.rows - kWindowRadius;
 }
 
 template <class Value>
 double WindowSum(const cv::Mat& integral, const cv::Point& at) {
-  const Value* top = integral.ptr<Value>(at.y - kRadius) + at.x - kRadius;
-  const Value* bottom = integral.ptr<Value>(at.y + kRadius + 1) + at.x - kRadius;
-  return static_cast<double>(bottom[kSize] - bottom[0] - top[kSize] + top[0]);
+  const Value* top = integral.ptr<Value>(at.y - kWindowRadius) + at.x - kWindowRadius;
+  const Value* bottom = integral.ptr<Value>(at.y + kWindowRadius + 1) + at.x - kWindowRadius;
+  return static_cast<double>(bottom[kWindowSize] - bottom[0] - top[kWindowSize] + top[0]);
 }
 
 // The same image, with kPaddedSize readable bytes from every pixel on.
@@ -37,10 +78,10 @@ cv::Mat WithRoomBehind(const cv::Mat& image) {
 
 }  // namespace
 
-// Rows of the window filled up with zeros, so that compilers multiply eight pixels at a time.
+// Rows of the window filled up with zeros, so that whole vectors are multiplied.
 struct EpipolarSearch::SourceWindow {
-  std::array<std::int16_t, kSize * kPaddedSize> rows{};
-  double sum = 0.0;
+  std::array<std::int16_t, kWindowSize * kPaddedSize> rows{};
+  double mean = 0.0;
   float inverse_deviation = 0.0F;
 };
 
@@ -60,8 +101,8 @@ EpipolarSearch::WindowStatistics EpipolarSearch::StatisticsOf(const cv::Mat& ima
   cv::integral(image, sums, squares, CV_32S, CV_64F);
   WindowStatistics statistics{cv::Mat::zeros(image.size(), CV_32S),
                               cv::Mat::zeros(image.size(), CV_32F)};
-  for (cv::Point at(0, kRadius); at.y < image.rows - kRadius; ++at.y) {
-    for (at.x = kRadius; at.x < image.cols - kRadius; ++at.x) {
+  for (cv::Point at(0, kWindowRadius); at.y < image.rows - kWindowRadius; ++at.y) {
+    for (at.x = kWindowRadius; at.x < image.cols - kWindowRadius; ++at.x) {
       const double sum = WindowSum<int>(sums, at);
       const double variance = WindowSum<double>(squares, at) - sum * sum / kArea;
       constexpr double kFlat = kArea;  // one grey level of deviation
@@ -74,11 +115,11 @@ EpipolarSearch::WindowStatistics EpipolarSearch::StatisticsOf(const cv::Mat& ima
 }
 
 EpipolarSearch::SourceWindow EpipolarSearch::WindowAt(const cv::Point& at) const {
-  SourceWindow window{.sum = static_cast<double>(source_statistics_.sum.at<int>(at)),
+  SourceWindow window{.mean = static_cast<double>(source_statistics_.sum.at<int>(at)) / kArea,
                       .inverse_deviation = source_statistics_.inverse_deviation.at<float>(at)};
-  for (int y = 0; y < kSize; ++y) {
-    const std::uint8_t* row = source_.image.ptr(at.y + y - kRadius) + at.x - kRadius;
-    std::copy_n(row, kSize, window.rows.begin() + y * kPaddedSize);
+  for (int y = 0; y < kWindowSize; ++y) {
+    const std::uint8_t* row = source_.image.ptr(at.y + y - kWindowRadius) + at.x - kWindowRadius;
+    std::copy_n(row, kWindowSize, window.rows.begin() + y * kPaddedSize);
   }
   return window;
 }
@@ -94,14 +135,12 @@ double EpipolarSearch::Correlation(const SourceWindow& window, const cv::Point& 
   const float inverse_deviation =
       target_statistics_.inverse_deviation.at<float>(target_at.y, target_at.x);
   if (window.inverse_deviation == 0.0F || inverse_deviation == 0.0F) return -1.0;
-  int product = 0;
-  const std::int16_t* a = window.rows.data();
-  for (int y = -kRadius; y <= kRadius; ++y, a += kPaddedSize) {
-    const std::uint8_t* b = target_.image.ptr(target_at.y + y) + target_at.x - kRadius;
-    for (int x = 0; x < kPaddedSize; ++x) product += a[x] * static_cast<std::int16_t>(b[x]);
-  }
+  const std::uint8_t* corner =
+      target_.image.ptr(target_at.y - kWindowRadius) + target_at.x - kWindowRadius;
+  const int product =
+      HWY_DYNAMIC_DISPATCH(SumOfProducts)(window.rows.data(), corner, target_.image.step);
   const double covariance =
-      product - window.sum * target_statistics_.sum.at<int>(target_at.y, target_at.x) / kArea;
+      product - window.mean * target_statistics_.sum.at<int>(target_at.y, target_at.x);
   return covariance * window.inverse_deviation * inverse_deviation;
 }
 
@@ -157,3 +196,4 @@ std::optional<EpipolarMatch> EpipolarSearch::Find(const Eigen::Vector2d& pixel,
 }
 
 }  // namespace rigmap
+#endif  // HWY_ONCE
