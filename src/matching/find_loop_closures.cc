@@ -7,6 +7,8 @@
 #include <cmath>
 #include <cstdlib>
 #include <map>
+#include <set>
+#include <span>
 
 #include "core/statistics.h"
 #include "matching/internal/loop_closure_motion.h"
@@ -24,9 +26,10 @@ struct Proposal {
 };
 
 std::vector<VisualWord> WordsOf(const FrameFeatures& features, const Vocabulary& vocabulary) {
-  std::vector<VisualWord> words(features.descriptors.size());
-  tbb::parallel_for(std::size_t{0}, words.size(),
-                    [&](std::size_t i) { words[i] = vocabulary.WordOf(features.descriptors[i]); });
+  std::vector<VisualWord> words;
+  for (const Descriptor& descriptor : features.descriptors) {
+    words.push_back(vocabulary.WordOf(descriptor));
+  }
   return words;
 }
 
@@ -81,13 +84,12 @@ class LoopClosureFinder {
   }
 
   PlaceIndex IndexPlaces(const Vocabulary& vocabulary) const {
-    std::vector<std::vector<int>> words;
-    for (const int frame : keyframes_) {
-      auto& of_frame = words.emplace_back();
-      for (const VisualWord& word : WordsOf(search_.features(frame), vocabulary)) {
-        of_frame.push_back(word.word);
+    std::vector<std::vector<int>> words(keyframes_.size());
+    tbb::parallel_for(std::size_t{0}, words.size(), [&](std::size_t i) {
+      for (const VisualWord& word : WordsOf(search_.features(keyframes_[i]), vocabulary)) {
+        words[i].push_back(word.word);
       }
-    }
+    });
     return {words, vocabulary.word_count()};
   }
 
@@ -117,33 +119,50 @@ class LoopClosureFinder {
     return view;
   }
 
+  // Two keyframes that look alike.
+  struct Likely {
+    int earlier = 0, later = 0;
+  };
+
+  // Of the keyframes that these show; what is held already is not made again.
+  void Hold(std::span<const Likely> shown, const Vocabulary& vocabulary,
+            std::map<int, SearchedFrame>& held) const {
+    std::set<int> needed;
+    for (const Likely& pair : shown) needed.insert({pair.earlier, pair.later});
+    std::erase_if(held, [&](const auto& entry) { return !needed.contains(entry.first); });
+    std::erase_if(needed, [&](int k) { return held.contains(k); });
+    const std::vector<int> missing(needed.begin(), needed.end());
+    std::vector<SearchedFrame> views(missing.size());
+    tbb::parallel_for(std::size_t{0}, missing.size(),
+                      [&](std::size_t i) { views[i] = View(missing[i], vocabulary); });
+    for (std::size_t i = 0; i < missing.size(); ++i) held.emplace(missing[i], std::move(views[i]));
+  }
+
   // In order of the later keyframe.
   std::vector<Proposal> Propose() const {
+    constexpr int kTogether = 4;  // keyframes; the next ones look like the same again
     const Vocabulary vocabulary = Learn();
     const PlaceIndex index = IndexPlaces(vocabulary);
     std::vector<Proposal> proposals;
-    // Of the earlier keyframes those that were tried last: the next keyframe looks like them again.
     std::map<int, SearchedFrame> held;
-    for (int k = 0; k < static_cast<int>(keyframes_.size()); ++k) {
-      const std::vector<int> alike = MostAlike(index, k);
-      if (alike.empty()) continue;
-      std::erase_if(held,
-                    [&](const auto& entry) { return !std::ranges::count(alike, entry.first); });
-      const SearchedFrame view = View(k, vocabulary);
-      for (const int earlier : alike) {
-        if (!held.contains(earlier)) held.emplace(earlier, View(earlier, vocabulary));
+    const int count = static_cast<int>(keyframes_.size());
+    for (int first = 0; first < count; first += kTogether) {
+      std::vector<Likely> likely;
+      for (int k = first; k < std::min(first + kTogether, count); ++k) {
+        for (const int earlier : MostAlike(index, k)) likely.push_back({earlier, k});
       }
-      std::vector<std::optional<StereoPose>> motions(alike.size());
-      tbb::parallel_for(std::size_t{0}, alike.size(), [&](std::size_t i) {
-        motions[i] = MotionWithoutPrediction(held.at(alike[i]), view, search_.rig, options_);
+      Hold(likely, vocabulary, held);
+      std::vector<std::optional<StereoPose>> motions(likely.size());
+      tbb::parallel_for(std::size_t{0}, likely.size(), [&](std::size_t i) {
+        motions[i] = MotionWithoutPrediction(held.at(likely[i].earlier), held.at(likely[i].later),
+                                             search_.rig, options_);
       });
-      for (std::size_t i = 0; i < alike.size(); ++i) {
-        const int earlier = alike[i];
-        const auto& motion = motions[i];
-        if (!motion || !Sharp(motion->covariance, k)) continue;
-        spdlog::info("{} may show what {} shows: {} matches agree", keyframes_[k],
-                     keyframes_[earlier], motion->inlier_count);
-        proposals.push_back({earlier, k, *motion});
+      for (std::size_t i = 0; i < likely.size(); ++i) {
+        const auto& [earlier, later] = likely[i];
+        if (!motions[i] || !Sharp(motions[i]->covariance, later)) continue;
+        spdlog::info("{} may show what {} shows: {} matches agree", keyframes_[later],
+                     keyframes_[earlier], motions[i]->inlier_count);
+        proposals.push_back({earlier, later, *motions[i]});
       }
     }
     return proposals;

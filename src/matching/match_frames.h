@@ -11,7 +11,8 @@ namespace rigmap {
 
 // Matches each selected pair near the positions that odometry predicts, keeps what agrees with one
 // motion of the rig (stereo points of one frame against both eyes of the other), and refines the
-// positions by patch alignment with the first view of each ground point.
+// positions by patch alignment with the first view of each ground point. Several threads ask for
+// features at a time.
 Correspondences MatchFrames(const Odometry& odometry, const FeatureSource& features,
                             const StereoRig& rig, const MatchingOptions& options);
 

@@ -66,8 +66,10 @@ int Vocabulary::Grow(const Vectors& sample, const std::vector<int>& rows, int le
 
 int Vocabulary::Nearest(const Node& node, const Vector& vector) {
   // |x - m|^2 is least where x m - m^2 / 2 is largest.
+  Eigen::Matrix<float, kBranches, 1> likeness = -node.half_squared_norms;
+  for (int k = 0; k < kBranches; ++k) likeness[k] += node.means.row(k).dot(vector);
   Eigen::Index best = 0;
-  (node.means.lazyProduct(vector.transpose()) - node.half_squared_norms).maxCoeff(&best);
+  likeness.maxCoeff(&best);
   return static_cast<int>(best);
 }
 

@@ -13,7 +13,7 @@ namespace rigmap {
 
 struct LoopClosureSearch {
   const Odometry& odometry;
-  // Gives frame i's features. Asked for three times and oftener.
+  // Gives frame i's features. Asked for three times and oftener, by several threads at a time.
   const std::function<FrameFeatures(int frame)>& features;
   // sample_points[i] are some points seen by keyframe i, in its left camera.
   const std::vector<std::vector<Eigen::Vector3d>>& sample_points;
