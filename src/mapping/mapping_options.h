@@ -12,7 +12,7 @@ namespace rigmap {
 struct KeyframeGraphOptions {
   static constexpr const char* kSection = "mapping";
 
-  int tracks_per_keyframe = 300;
+  int tracks_per_keyframe = 200;
 
   OptionFields Fields();
 };

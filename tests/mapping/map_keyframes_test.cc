@@ -128,7 +128,8 @@ INSTANTIATE_TEST_SUITE_P(Ground, SeededOnGround, testing::Values(0.15, 0.0),
 
 TEST_F(MapKeyframesTest, TriangulatesOnTheOdometricPoses) {
   Make({.frames = 10, .seed = 22});
-  const MappingResult result = Map({.method = MappingMethod::kTriangulate});
+  const MappingResult result =
+      Map({.method = MappingMethod::kTriangulate}, {.tracks_per_keyframe = 300});
   EXPECT_EQ(result.method, MappingMethod::kTriangulate);
   ASSERT_EQ(result.models.size(), 1u);
   ExpectFoldersLike(result);
@@ -205,7 +206,7 @@ TEST_F(MapKeyframesTest, WhenColmapMakesNoModelTheOdometricPosesAreTriangulated)
   std::filesystem::permissions(At("colmap"), std::filesystem::perms::owner_all);
   colmap_.path = At("colmap").string();
   for (const auto method : {MappingMethod::kSeeded, MappingMethod::kUnseeded}) {
-    const MappingResult result = Map({.method = method});
+    const MappingResult result = Map({.method = method}, {.tracks_per_keyframe = 300});
     EXPECT_EQ(result.method, MappingMethod::kTriangulate);
     ASSERT_GE(result.remarks.size(), 2u);
     EXPECT_THAT(result.remarks.front(), HasSubstr("led to no model: incremental mapping"));

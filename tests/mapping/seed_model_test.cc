@@ -81,7 +81,7 @@ int TruePoint(const RoverPart& part, const KeyframeGraph& graph, const TrackElem
 
 TEST_F(SeedModelTest, WithoutNoisePointsAreTheTrueOnesInMetres) {
   const RoverPart part = Part(0.0);
-  const KeyframeGraph graph = part.Graph();
+  const KeyframeGraph graph = part.Graph({.tracks_per_keyframe = 300});
   const SparseModel model = MakeSeedModel(
       {graph, part.correspondences, part.rover.rig, KeyframePoses(graph, part.odometry)}, 2, 4);
   EXPECT_GT(model.points.size(), 200u);
