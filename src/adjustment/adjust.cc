@@ -63,7 +63,8 @@ class Adjuster {
     for (int round = 1; round < options_.rounds; ++round) adjust(kRoughTolerance);
     constexpr int kMaxCorrections = 16;
     for (int i = 0; i < kMaxCorrections && CorrectRig(); ++i) adjust(kRoughTolerance);
-    adjust(kFineTolerance);
+    const bool is_final = !input_.is_provisional || correction_.isZero();
+    adjust(is_final ? kFineTolerance : kRoughTolerance);
     return Result(SolveSystem());
   }
 
@@ -118,7 +119,7 @@ class Adjuster {
         AsGoodAsFound(prior_, correction_, solution->equations, options_);
     if (MoveRig(kRoughlySettled, *solution, prior)) return true;
     refined_ = NextRefinement(refined_, correction_, solution->equations, prior, options_);
-    return MoveRig(kSettled, *solution, prior);
+    return MoveRig(input_.is_provisional ? kRoughlySettled : kSettled, *solution, prior);
   }
 
   // To the most probable correction with the parameters of `refined_` free, the poses following;

@@ -20,6 +20,9 @@ struct AdjustmentInput {
   // To start from: which parameters of the rig are corrected, and how far.
   RigRefinement refined = RigRefinement::kNone;
   CalibrationVector correction = CalibrationVector::Zero();
+  // A rig that turns out to be wrong need only be corrected roughly: what this rests on is measured
+  // anew with it, and adjusted again.
+  bool is_provisional = false;
   // Frames, rising, from which on no point ties frames to those before them: they lie to each other
   // as their starting poses say.
   std::vector<int> apart;

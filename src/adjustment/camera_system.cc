@@ -10,6 +10,7 @@
 
 #include "adjustment/calibration.h"
 #include "adjustment/internal/calibration_blocks.h"
+#include "adjustment/internal/pose_matrix.h"
 #include "adjustment/internal/selected_inverse.h"
 #include "geometry/carried_covariance.h"
 
@@ -99,17 +100,33 @@ std::unique_ptr<Factor> Factorised(const ReducedSystem& system) {
   return factor;
 }
 
+// Nothing where the system is singular. Many times faster than Factorised, which serves whoever
+// wants the inverse.
+std::optional<PoseMatrix> FactorisedByBlocks(const ReducedSystem& system) {
+  std::vector<PoseMatrix::Pair> pairs;
+  std::vector<Matrix6d> blocks;
+  for (const auto& [at, block] : system.blocks) {
+    pairs.emplace_back(at.second, at.first);
+    blocks.push_back(block);
+  }
+  std::optional<PoseMatrix> matrix(std::in_place, system.unknowns, pairs);
+  if (!matrix->Factorise(blocks)) matrix.reset();
+  return matrix;
+}
+
 // The system bordered by the calibration.
-std::optional<CalibrationSolution> SolveBorder(const ReducedSystem& system, const Factor& factor,
+std::optional<CalibrationSolution> SolveBorder(const ReducedSystem& system,
                                                const Linearisation& at) {
+  const auto factor = FactorisedByBlocks(system);
+  if (!factor) return std::nullopt;
   Eigen::MatrixXd coupling(6 * system.unknowns, static_cast<int>(kCalibrationSize));
   Eigen::VectorXd gradient(6 * system.unknowns);
   for (int i = 0; i < system.unknowns; ++i) {
     coupling.middleRows<6>(6 * i) = system.pose_calibration[i];
     gradient.segment<6>(6 * i) = system.pose_gradient[i];
   }
-  const Eigen::MatrixXd solved = factor.solve(coupling);
-  const Eigen::VectorXd step = -factor.solve(gradient);
+  const Eigen::MatrixXd solved = factor->Solve(coupling);
+  const Eigen::VectorXd step = -factor->Solve(gradient);
   CalibrationSolution solution;
   CalibrationEquations& equations = solution.equations;
   equations.information = system.calibration - coupling.transpose() * solved;
@@ -233,8 +250,7 @@ Rigid3 Moved(const Rigid3& left_from_world, const PoseResponse& response,
 std::optional<CalibrationSolution> SolveCalibration(const Linearisation& at) {
   const ReducedSystem system = AssembleReducedSystem(at);
   if (system.unknowns == 0) return std::nullopt;
-  const auto factor = Factorised(system);
-  return factor ? SolveBorder(system, *factor, at) : std::nullopt;
+  return SolveBorder(system, at);
 }
 
 CameraSystemResult SolveCameraSystem(const Linearisation& at, const std::vector<int>& references) {
@@ -254,7 +270,7 @@ CameraSystemResult SolveCameraSystem(const Linearisation& at, const std::vector<
     return result;
   }
   SetCovariances(system, *factor, poses, references, result);
-  auto solution = SolveBorder(system, *factor, at);
+  auto solution = SolveBorder(system, at);
   if (!solution) return result;
   result.by_calibration.assign(poses.size(), PoseCalibration::Zero());
   for (std::size_t frame = 0; frame < poses.size(); ++frame) {

@@ -90,31 +90,38 @@ bool PoseMatrix::Factorise(const std::vector<Matrix6d>& blocks) {
   return true;
 }
 
-Eigen::VectorXd PoseMatrix::Solve(const Eigen::VectorXd& right_side) const {
+template <class Matrix>
+Matrix PoseMatrix::SolveAny(const Matrix& right_sides) const {
   const int unknowns = static_cast<int>(rows_.size());
-  Eigen::VectorXd x(right_side.size());
-  for (int i = 0; i < unknowns; ++i) {
-    x.segment<6>(6 * position_[i]) = right_side.segment<6>(6 * i);
-  }
+  Matrix x(right_sides.rows(), right_sides.cols());
+  const auto rows_of = [](auto& matrix, int k) { return matrix.template middleRows<6>(6 * k); };
+  using Rows = Eigen::Matrix<double, 6, Matrix::ColsAtCompileTime>;
+  for (int i = 0; i < unknowns; ++i) rows_of(x, position_[i]) = rows_of(right_sides, i);
   for (int k = 0; k < unknowns; ++k) {
     const Matrix6d* column = &factor_[first_[k]];
-    const Vector6d at = *column * x.segment<6>(6 * k);
-    x.segment<6>(6 * k) = at;
-    for (const int row : rows_[k]) x.segment<6>(6 * row) -= *++column * at;
+    const Rows at = *column * rows_of(x, k);
+    rows_of(x, k) = at;
+    for (const int row : rows_[k]) rows_of(x, row).noalias() -= *++column * at;
   }
   for (int k = unknowns - 1; k >= 0; --k) {
     const Matrix6d* column = &factor_[first_[k]];
-    Vector6d at = x.segment<6>(6 * k);
+    Rows at = rows_of(x, k);
     for (std::size_t a = 0; a < rows_[k].size(); ++a) {
-      at -= column[a + 1].transpose() * x.segment<6>(6 * rows_[k][a]);
+      at.noalias() -= column[a + 1].transpose() * rows_of(x, rows_[k][a]);
     }
-    x.segment<6>(6 * k) = column->transpose() * at;
+    rows_of(x, k).noalias() = column->transpose() * at;
   }
-  Eigen::VectorXd result(right_side.size());
-  for (int i = 0; i < unknowns; ++i) {
-    result.segment<6>(6 * i) = x.segment<6>(6 * position_[i]);
-  }
+  Matrix result(right_sides.rows(), right_sides.cols());
+  for (int i = 0; i < unknowns; ++i) rows_of(result, i) = rows_of(x, position_[i]);
   return result;
+}
+
+Eigen::VectorXd PoseMatrix::Solve(const Eigen::VectorXd& right_side) const {
+  return SolveAny(right_side);
+}
+
+Eigen::MatrixXd PoseMatrix::Solve(const Eigen::MatrixXd& right_sides) const {
+  return SolveAny(right_sides);
 }
 
 }  // namespace rigmap

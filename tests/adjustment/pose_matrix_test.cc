@@ -49,6 +49,20 @@ TEST_F(PoseMatrixTest, SolvesAsTheDenseMatrixDoes) {
   EXPECT_LT((dense_ * x - right_side).norm(), 1e-10 * right_side.norm());
 }
 
+TEST_F(PoseMatrixTest, SolvesForSeveralRightSidesAtOnceAsForEach) {
+  PoseMatrix matrix(kUnknowns, pairs_);
+  ASSERT_TRUE(matrix.Factorise(blocks_));
+  Eigen::MatrixXd right_sides(6 * kUnknowns, 3);
+  right_sides << Eigen::VectorXd::LinSpaced(6 * kUnknowns, -1.0, 2.0),
+      Eigen::VectorXd::Ones(6 * kUnknowns), Eigen::VectorXd::Unit(6 * kUnknowns, 7);
+  const Eigen::MatrixXd x = matrix.Solve(right_sides);
+  EXPECT_LT((dense_ * x - right_sides).norm(), 1e-10 * right_sides.norm());
+  for (int i = 0; i < 3; ++i) {
+    const Eigen::VectorXd of_one = matrix.Solve(Eigen::VectorXd(right_sides.col(i)));
+    EXPECT_LT((x.col(i) - of_one).norm(), 1e-12 * of_one.norm());
+  }
+}
+
 TEST_F(PoseMatrixTest, IsFactorisedAnewWithOtherBlocks) {
   PoseMatrix matrix(kUnknowns, pairs_);
   ASSERT_TRUE(matrix.Factorise(blocks_));

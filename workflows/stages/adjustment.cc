@@ -63,34 +63,15 @@ struct Adjuster {
   const AdjustmentGateOptions& gates;
 
   AdjustedPart From(StartingFrom from) const {
-    return From(from == StartingFrom::kMapping ? mapped : Poses(), matches,
-                {odometry, matches.loop_closures}, RigRefinement::kNone, CalibrationVector::Zero());
+    AdjustedPart part = From(from == StartingFrom::kMapping ? mapped : Poses(), matches,
+                             {odometry, matches.loop_closures}, nullptr);
+    return part.adjustment.IsRigCorrected() ? WithItsRig(part) : part;
   }
 
   // What it is to start from: the other way than planned where that is no map to start from.
   StartingFrom Start(const InTurn<StartingFrom>& ways) const {
     const bool is_mapped = ways.planned == StartingFrom::kMapping;
     return is_mapped && !AllPassed(of_mapping) ? ways.otherwise : ways.planned;
-  }
-
-  // With the rig that `part` has found to be the right one. Matches had to agree with the other:
-  // where that moves a pixel by more than their noise only some did, and those that by chance
-  // agree.
-  AdjustedPart WithItsRig(const AdjustedPart& part) const {
-    const bool matches_anew = part.adjustment.correction_px > matching.keypoint_noise_px;
-    Motions motions = MotionsWith(part);
-    std::optional<Correspondences> anew;
-    if (matches_anew) {
-      anew = MatchFrames(motions.steps, features.AsSource(), part.adjustment.rig, matching);
-      motions.loop_closures = anew->loop_closures;
-    }
-    AdjustedPart measured_anew = From({}, anew ? *anew : matches, std::move(motions),
-                                      part.adjustment.refined, part.adjustment.rig_correction);
-    measured_anew.remarks.push_back(fmt::format(
-        "the images contradict the calibration: the rig was corrected (rig_refined.yaml), {} anew "
-        "with it",
-        matches_anew ? "odometry and matching done" : "the odometry done"));
-    return measured_anew;
   }
 
   Gates Judge(const AdjustedPart& part) const {
@@ -111,13 +92,41 @@ struct Adjuster {
     Adjustment adjustment;
   };
 
+  // With the rig that `part` has found to be the right one. Matches had to agree with the other:
+  // where that moves a pixel by more than their noise only some did, and those that by chance
+  // agree.
+  AdjustedPart WithItsRig(const AdjustedPart& part) const {
+    const bool matches_anew = part.adjustment.correction_px > matching.keypoint_noise_px;
+    const StereoRig& rig = part.adjustment.rig;
+    Odometry steps = StepsWith(part);
+    std::optional<Correspondences> anew;
+    if (matches_anew) anew = MatchFrames(steps, features.AsSource(), rig, matching);
+    auto loop_closures = anew ? anew->loop_closures : LoopClosuresByRig(matches, rig, matching);
+    AdjustedPart measured_anew = From(
+        {}, anew ? *anew : matches, {std::move(steps), std::move(loop_closures)}, &part.adjustment);
+    measured_anew.remarks.push_back(fmt::format(
+        "the images contradict the calibration: the rig was corrected (rig_refined.yaml), {} anew "
+        "with it",
+        matches_anew ? "odometry and matching done" : "the odometry done"));
+    return measured_anew;
+  }
+
+  // A corrected rig is provisional but where it starts from that of an adjustment before.
   AdjustedPart From(const Poses& start, const Correspondences& correspondences, Motions motions,
-                    RigRefinement refined, const CalibrationVector& correction) const {
+                    const Adjustment* before) const {
     const auto adjusted = [&](Poses starting, std::vector<int> apart) {
       Sides sides{std::move(starting), std::move(apart), {}};
-      sides.adjustment = AdjustBundle({correspondences, dataset.rig, sides.starting, refined,
-                                       correction, sides.apart, ReferencesOf(motions.steps)},
-                                      options);
+      AdjustmentInput input{.correspondences = correspondences,
+                            .rig = dataset.rig,
+                            .world_from_left = sides.starting,
+                            .is_provisional = before == nullptr,
+                            .apart = sides.apart,
+                            .references = ReferencesOf(motions.steps)};
+      if (before) {
+        input.refined = before->refined;
+        input.correction = before->rig_correction;
+      }
+      sides.adjustment = AdjustBundle(input, options);
       return sides;
     };
     Sides best = adjusted(
@@ -149,7 +158,7 @@ struct Adjuster {
 
   // With the part's rig, near its poses: a step that was once lost was found by the matches since.
   // Which frames are keyframes stays as it was: they have been matched.
-  Motions MotionsWith(const AdjustedPart& part) const {
+  Odometry StepsWith(const AdjustedPart& part) const {
     const auto expected = [&](int from, int to) {
       return std::optional(part.trajectory[to].world_from_left.Inverse() *
                            part.trajectory[from].world_from_left);
@@ -159,7 +168,7 @@ struct Adjuster {
                                  bridging.odometry, MatchBy::kDescriptors, expected);
     steps = Bridged(dataset, rig, features, std::move(steps), bridging);
     for (std::size_t i = 0; i < steps.size(); ++i) steps[i].keyframe = odometry[i].keyframe;
-    return {std::move(steps), LoopClosuresByRig(matches, rig, matching)};
+    return steps;
   }
 };
 
@@ -171,7 +180,6 @@ AdjustedPart AdjustInTurn(const Adjuster& adjuster, const InTurn<StartingFrom>& 
         FailureReason(adjuster.of_mapping) +
         "; the adjustment started from the odometric poses instead of the mapped ones");
   }
-  if (best.adjustment.IsRigCorrected()) best = adjuster.WithItsRig(best);
   const Gates failed = adjuster.Judge(best);
   // With a corrected rig it has started from the odometry already.
   if (AllPassed(failed) || best.adjustment.IsRigCorrected() || ways.otherwise == start) {

@@ -19,8 +19,9 @@ class PoseMatrix {
 
   // Takes a block for each pair. False where the matrix is not positive definite.
   bool Factorise(const std::vector<Matrix6d>& blocks);
-  // 6 rows for each unknown.
+  // 6 rows for each unknown; any number of right sides next to each other.
   Eigen::VectorXd Solve(const Eigen::VectorXd& right_side) const;
+  Eigen::MatrixXd Solve(const Eigen::MatrixXd& right_sides) const;
 
  private:
   struct Slot {
@@ -30,6 +31,8 @@ class PoseMatrix {
   void Order(int unknowns, const std::vector<Pair>& pairs);
   void ListUpdates();
   int SlotOf(int column, int row) const;
+  template <class Matrix>
+  Matrix SolveAny(const Matrix& right_sides) const;
 
   std::vector<int> position_;           // of each unknown in the order of elimination
   std::vector<std::vector<int>> rows_;  // of each column's blocks below the diagonal, ascending
