@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "features/internal/grey_pair.h"
 #include "features/keypoints.h"
@@ -26,6 +27,17 @@ Patch CutPatch(const cv::Mat& grey, const Eigen::Vector2d& centre) {
   return patch;
 }
 
+// All but the faint ones that not even the other eye shows: few of them are found again in another
+// frame (one in eight in a sand yard), and to describe a keypoint is most of its work.
+std::vector<std::size_t> WorthDescribing(const Keypoints& keypoints, const StereoMatches& matches,
+                                         double contrast_threshold) {
+  std::vector<std::size_t> worth;
+  for (std::size_t i = 0; i < keypoints.found.size(); ++i) {
+    if (matches.found[i] || keypoints.found[i].response >= contrast_threshold) worth.push_back(i);
+  }
+  return worth;
+}
+
 }  // namespace
 
 FeatureSetup MakeFeatureSetup(const StereoRig& rig, const FeatureOptions& options,
@@ -48,14 +60,16 @@ FrameFeatures ExtractFeatures(const StereoFrame& frame, const FeatureSetup& setu
                             UsableMask(right, setup.right_mask, setup.mask_options)};
   StereoMatches stereo_matches =
       FindStereoMatches(images, setup.rig, keypoints.pixels, setup.options);
-  result.descriptors = keypoints.descriptors;
   result.epipolar_errors_px = std::move(stereo_matches.epipolar_errors_px);
   result.usable_share = cv::countNonZero(left_mask) / static_cast<double>(left_mask.total());
-  for (std::size_t i = 0; i < keypoints.pixels.size(); ++i) {
+  const std::vector<std::size_t> chosen =
+      WorthDescribing(keypoints, stereo_matches, setup.options.contrast_threshold);
+  for (const std::size_t i : chosen) {
     result.features.push_back(
         FeatureOf(keypoints.pixels[i], stereo_matches.found[i], keypoints.sizes[i]));
     result.patches.push_back(CutPatch(images.left, keypoints.pixels[i]));
   }
+  result.descriptors = Describe(keypoints, chosen);
   return result;
 }
 
@@ -66,10 +80,12 @@ FrameFeatures ExtractLoneFeatures(const LoneImage& image, int sample_bits,
   try {
     const cv::Mat grey = ReadGrey(image.path, setup.rig.Of(image.eye).camera, sample_bits);
     const cv::Mat& mask = image.eye == Eye::kLeft ? setup.left_mask : setup.right_mask;
-    Keypoints keypoints =
+    const Keypoints keypoints =
         DetectKeypoints(grey, UsableMask(grey, mask, setup.mask_options), setup.options);
-    result.descriptors = std::move(keypoints.descriptors);
-    for (std::size_t i = 0; i < keypoints.pixels.size(); ++i) {
+    std::vector<std::size_t> all(keypoints.pixels.size());
+    std::iota(all.begin(), all.end(), std::size_t{0});
+    result.descriptors = Describe(keypoints, all);
+    for (const std::size_t i : all) {
       result.features.push_back({keypoints.pixels[i], std::nullopt, keypoints.sizes[i]});
     }
   } catch (const UnreadableImage&) {

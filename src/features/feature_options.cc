@@ -17,7 +17,7 @@ OptionFields FeatureOptions::Fields() {
        AtLeast(0.0).Below(0.5),
        "The contrast threshold where an image has fewer than max_keypoints with the first. Half a "
        "grey level, below which there is only rounding. Dull flat sand then gives six times as "
-       "many."},
+       "many. Such a faint one counts only where the other eye shows it, too."},
       {"min_depth_baselines", &min_depth_baselines, "baselines", AtLeast(1.0),
        "Nearest depth that is searched for stereo matches. At 5 the two views of a patch differ "
        "by 11 degrees."},

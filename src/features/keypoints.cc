@@ -118,21 +118,29 @@ Keypoints DetectKeypoints(const cv::Mat& grey, const cv::Mat& mask, const Featur
   const auto sift =
       MakeSift(std::min(options.contrast_threshold, options.faint_contrast_threshold));
   const std::vector<cv::KeyPoint> found = Detect(image, mask, reduction, options, *sift);
-  std::vector<cv::KeyPoint> kept;
-  for (int index : SpreadEvenly(found, image.size(), options.max_keypoints)) {
-    kept.push_back(found[index]);
-  }
-  cv::Mat descriptors;
-  sift->compute(image, kept, descriptors);
-  Keypoints result;
-  for (std::size_t i = 0; i < kept.size(); ++i) {
-    result.pixels.push_back(FullPixel(kept[i].pt, reduction));
-    result.sizes.push_back(static_cast<float>(reduction) * kept[i].size);
-    const float* row = descriptors.ptr<float>(static_cast<int>(i));
-    std::transform(row, row + kDescriptorSize, result.descriptors.emplace_back().begin(),
-                   [](float value) { return static_cast<std::uint8_t>(value); });
+  Keypoints result{.searched = std::move(image)};
+  for (int index : SpreadEvenly(found, result.searched.size(), options.max_keypoints)) {
+    const cv::KeyPoint& keypoint = result.found.emplace_back(found[index]);
+    result.pixels.push_back(FullPixel(keypoint.pt, reduction));
+    result.sizes.push_back(static_cast<float>(reduction) * keypoint.size);
   }
   return result;
+}
+
+std::vector<Descriptor> Describe(const Keypoints& keypoints,
+                                 const std::vector<std::size_t>& chosen) {
+  if (chosen.empty()) return {};
+  std::vector<cv::KeyPoint> described;
+  for (const std::size_t i : chosen) described.push_back(keypoints.found[i]);
+  cv::Mat values;
+  MakeSift({})->compute(keypoints.searched, described, values);
+  std::vector<Descriptor> descriptors(chosen.size());
+  for (std::size_t i = 0; i < chosen.size(); ++i) {
+    const float* row = values.ptr<float>(static_cast<int>(i));
+    std::transform(row, row + kDescriptorSize, descriptors[i].begin(),
+                   [](float value) { return static_cast<std::uint8_t>(value); });
+  }
+  return descriptors;
 }
 
 }  // namespace rigmap

@@ -9,6 +9,7 @@
 
 #include "core/error.h"
 #include "correspondence/stereo_points.h"
+#include "features/keypoints.h"
 #include "tests/support/simulated_shot.h"
 #include "tests/support/synthetic_rover.h"
 #include "tests/support/temporary_folder.h"
@@ -57,6 +58,31 @@ TEST_F(ExtractFeaturesTest, PointsLieOnTheSand) {
   EXPECT_GT(stereo_matches, 700);
   EXPECT_GT(on_sand, 0.98 * stereo_matches);
   for (float error : found.epipolar_errors_px) EXPECT_LT(std::abs(error), 4.0F);
+}
+
+TEST_F(ExtractFeaturesTest, FaintKeypointsCountWhereTheOtherEyeShowsThemToo) {
+  const FeatureOptions options{.max_keypoints = 3000, .contrast_threshold = 0.012};
+  const FrameFeatures found = ExtractFeatures(frame_, MakeFeatureSetup(rig_, options, {}));
+  const Keypoints all =
+      DetectKeypoints(left_, cv::Mat(left_.size(), CV_8UC1, cv::Scalar(255)), options);
+  int faint = 0, faint_in_both = 0, strong_in_one = 0;
+  auto feature = found.features.begin();  // in the order of the keypoints
+  for (std::size_t i = 0; i < all.pixels.size(); ++i) {
+    const bool is_faint = all.found[i].response < options.contrast_threshold;
+    const bool is_kept = feature != found.features.end() && feature->left == all.pixels[i];
+    EXPECT_TRUE(is_kept || is_faint);
+    faint += is_faint;
+    if (!is_kept) continue;
+    faint_in_both += is_faint && feature->right;
+    strong_in_one += !is_faint && !feature->right;
+    EXPECT_FALSE(is_faint && !feature->right);
+    ++feature;
+  }
+  EXPECT_EQ(feature, found.features.end());
+  EXPECT_EQ(found.descriptors.size(), found.features.size());
+  EXPECT_GT(faint_in_both, 100);
+  EXPECT_GT(faint - faint_in_both, 20);
+  EXPECT_GT(strong_in_one, 10);
 }
 
 TEST_F(ExtractFeaturesTest, PatchesAreCutAroundTheRoundedPixel) {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <opencv2/imgproc.hpp>
 #include <optional>
 
@@ -167,7 +168,7 @@ TEST(DetectKeypoints, NoTwoShareAPosition) {
   std::sort(pixels.begin(), pixels.end(), less);
   EXPECT_EQ(std::adjacent_find(pixels.begin(), pixels.end()), pixels.end());
   EXPECT_EQ(found.sizes.size(), pixels.size());
-  EXPECT_EQ(found.descriptors.size(), pixels.size());
+  EXPECT_EQ(found.found.size(), pixels.size());
   EXPECT_LE(pixels.size(), 1500u);
 }
 
@@ -178,7 +179,25 @@ TEST(DetectKeypoints, EqualImagesGiveEqualKeypoints) {
   const Keypoints second = DetectKeypoints(grey.clone(), Everything(size), {});
   EXPECT_EQ(first.pixels, second.pixels);
   EXPECT_EQ(first.sizes, second.sizes);
-  EXPECT_EQ(first.descriptors, second.descriptors);
+  EXPECT_EQ(Describe(first, {0, 5, 9}), Describe(second, {0, 5, 9}));
+}
+
+TEST(Describe, GivesEachOfTheChosenWhatItHasAmongAll) {
+  const cv::Size size(640, 480);
+  const Keypoints keypoints = DetectKeypoints(Noise(size, 30.0, 6), Everything(size), {});
+  std::vector<std::size_t> all(keypoints.pixels.size());
+  std::iota(all.begin(), all.end(), std::size_t{0});
+  const std::vector<Descriptor> of_all = Describe(keypoints, all);
+  ASSERT_GT(of_all.size(), 300u);
+  std::vector<std::size_t> every_third;
+  std::vector<Descriptor> of_every_third;
+  for (std::size_t i = 0; i < all.size(); i += 3) {
+    every_third.push_back(i);
+    of_every_third.push_back(of_all[i]);
+  }
+  EXPECT_EQ(Describe(keypoints, every_third), of_every_third);
+  EXPECT_NE(of_all[299], of_all[7]);
+  EXPECT_TRUE(Describe(keypoints, {}).empty());
 }
 
 TEST(DetectKeypoints, FindsNothingOnFlatGrey) {
