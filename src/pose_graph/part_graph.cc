@@ -26,9 +26,15 @@ Matrix6d Widened(const Matrix6d& covariance, double sigma_m, double sigma_rad) {
   return covariance + Matrix6d(variances.asDiagonal());
 }
 
-PoseEdge Step(int from, int to, const Rigid3& to_from_from, const Matrix6d& covariance) {
+PoseEdge OdometricStep(int from, int to, const Rigid3& to_from_from, const Matrix6d& covariance) {
   const Matrix6d widened =
       Widened(covariance, kStepDriftShare * to_from_from.translation.norm() + 1e-4, kStepDrift_rad);
+  return {from, to, to_from_from, SqrtInformation(widened), PoseEdgeKind::kOdometry};
+}
+
+PoseEdge AdjustedStep(int from, int to, const Rigid3& to_from_from, const Matrix6d& covariance) {
+  constexpr double kLeast_m = 1e-6, kLeast_rad = 1e-7;  // keeps it invertible
+  const Matrix6d widened = Widened(covariance, kLeast_m, kLeast_rad);
   return {from, to, to_from_from, SqrtInformation(widened), PoseEdgeKind::kOdometry};
 }
 
@@ -42,7 +48,8 @@ PoseEdge LoopClosureEdge(int a, int b, const LoopClosure& loop_closure) {
 }  // namespace
 
 PartGraph BuildPartGraph(const std::vector<std::optional<Rigid3>>& world_from_left,
-                         const Odometry& odometry, const std::vector<LoopClosure>& loop_closures) {
+                         const Odometry& odometry, const std::vector<LoopClosure>& loop_closures,
+                         const std::vector<std::optional<Matrix6d>>& adjusted_steps) {
   PartGraph part;
   const int frames = static_cast<int>(world_from_left.size());
   std::vector<int> node(world_from_left.size(), 0);  // of each posed frame
@@ -61,7 +68,11 @@ PartGraph BuildPartGraph(const std::vector<std::optional<Rigid3>>& world_from_le
     }
     if (from == i || !world_from_left[from]) continue;
     const Rigid3 motion = world_from_left[i]->Inverse() * *world_from_left[from];
-    part.graph.edges.push_back(Step(node[from], node[i], motion, covariance));
+    const bool is_adjusted =
+        !adjusted_steps.empty() && adjusted_steps[i] && from == odometry[i].reference;
+    part.graph.edges.push_back(is_adjusted
+                                   ? AdjustedStep(node[from], node[i], motion, *adjusted_steps[i])
+                                   : OdometricStep(node[from], node[i], motion, covariance));
   }
   for (const LoopClosure& loop_closure : loop_closures) {
     if (!world_from_left[loop_closure.a] || !world_from_left[loop_closure.b]) continue;

@@ -50,6 +50,21 @@ TEST_F(PartGraphTest, StepsKeepTheMotionOfThePosesGiven) {
   }
 }
 
+TEST_F(PartGraphTest, WhatAnAdjustmentKnowsOfAStepCountsInstead) {
+  poses_[2].reset();
+  const Matrix6d known = 1e-8 * Vector6d::LinSpaced(1.0, 2.0).asDiagonal();
+  const std::vector<std::optional<Matrix6d>> adjusted_steps{std::nullopt, known, known, known,
+                                                            std::nullopt};
+  const PartGraph without = BuildPartGraph(poses_, odometry_, {});
+  const PartGraph with = BuildPartGraph(poses_, odometry_, {}, adjusted_steps);
+  ASSERT_EQ(with.graph.edges.size(), 3U);
+  EXPECT_LT((with.graph.edges[0].Information() * known - Matrix6d::Identity()).norm(), 1e-3);
+  // The stride over frame 2 is no single step, and of the last one nothing is known.
+  for (const int i : {1, 2}) {
+    EXPECT_EQ(with.graph.edges[i].Information(), without.graph.edges[i].Information());
+  }
+}
+
 TEST_F(PartGraphTest, ALoopClosureIsAnEdgeWhereBothFramesHaveAPose) {
   poses_[3].reset();
   const Rigid3 there_from_here = random_.Motion(1.0);

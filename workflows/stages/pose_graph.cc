@@ -5,6 +5,7 @@
 #include "export/g2o.h"
 #include "pipeline/code_identity.h"
 #include "pose_graph/part_graph.h"
+#include "trajectory/adjusted_steps.h"
 
 namespace rigmap {
 namespace {
@@ -24,7 +25,8 @@ Report Describe(const PartGraph& part) {
           {"edges", "a_from_b: tx ty tz qx qy qz qw"},
           {"information",
            "upper triangle, row by row, of tx ty tz qx qy qz: the motion from the measured to the "
-           "actual b, along b's measured axes, with the quaternion's vector part"},
+           "actual b, along b's measured axes, with the quaternion's vector part; of steps between "
+           "adjusted poses as the adjustment knows them, noise and calibration together"},
           {"edge_counts", std::move(edges)},
           {"stamps_ns", std::move(stamps)},
           {"edge_kinds", std::move(kinds)}};
@@ -35,7 +37,8 @@ PoseGraphText MakePoseGraph(const StageContext&, const AdjustedPart& part) {
   for (const auto& pose : part.adjustment.world_from_left) {
     poses.push_back(pose ? std::optional(part.world_from_gauge * *pose) : std::nullopt);
   }
-  const PartGraph graph = BuildPartGraph(poses, part.odometry, part.loop_closures);
+  const PartGraph graph = BuildPartGraph(poses, part.odometry, part.loop_closures,
+                                         AdjustedSteps(part.odometry, part.adjustment));
   return {WriteG2o(graph.graph), Describe(graph).dump(1) + "\n"};
 }
 
