@@ -6,59 +6,14 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <opencv2/core/hal/intrin.hpp>
-#include <vector>
+
+#include "correspondence/internal/window_samples.h"
 
 namespace rigmap {
 namespace {
 
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
-constexpr int kMaxRadius = 10;
-constexpr int kMaxSamples = (2 * kMaxRadius + 1) * (2 * kMaxRadius + 1);
-
-// Four samples at a time, whatever the processor could do: results are the same on all of them.
-using Four = cv::v_float32x4;
-constexpr int kLanes = Four::nlanes;
-using Samples = std::array<float, (kMaxSamples + kLanes - 1) / kLanes * kLanes>;
-
-Four At(const Samples& samples, int i) { return cv::v_load(samples.data() + i); }
-void Set(Samples& samples, int i, const Four& values) { cv::v_store(samples.data() + i, values); }
-Four Nought() { return cv::v_setzero_f32(); }
-Four All(double value) { return cv::v_setall_f32(static_cast<float>(value)); }
-double Sum(const Four& values) { return cv::v_reduce_sum(values); }
-
-// What only depends on the radius of a window: row by row, and up to the next multiple of four of
-// no weight.
-struct WindowShape {
-  explicit WindowShape(int radius) {
-    const double spread = 0.7 * radius;
-    for (int y = -radius; y <= radius; ++y) {
-      for (int x = -radius; x <= radius; ++x) {
-        const double gaussian = std::exp(-0.5 * (x * x + y * y) / (spread * spread));
-        column[count] = static_cast<float>(x);
-        row[count] = static_cast<float>(y);
-        weight[count++] = static_cast<float>(gaussian);
-        weight_sum += gaussian;
-        moment += gaussian * x * x;
-      }
-    }
-  }
-
-  int count = 0;
-  double weight_sum = 0.0;
-  double moment = 0.0;  // px^2, weighted sum of the squared columns, and so of the rows
-  Samples column{}, row{}, weight{};
-};
-
-const WindowShape& ShapeOf(int radius) {
-  static const auto kShapes = [] {
-    std::vector<WindowShape> shapes;
-    for (int r = 0; r < kMaxRadius; ++r) shapes.emplace_back(r);
-    return shapes;
-  }();
-  return kShapes[radius];
-}
 
 // The template: grey values without their mean plane, of unit variance, and what a change of each
 // warp parameter does to them, times the weights.
@@ -71,42 +26,6 @@ struct Template {
   std::array<Samples, 6> weighted_gradient{};
   Matrix6 hessian = Matrix6::Zero();
 };
-
-// Takes the mean plane off `grey`. The weights are alike to all sides, so that mean and slopes are
-// found one by one.
-void TakeOffPlane(const WindowShape& shape, Samples& grey) {
-  Four mean = Nought(), across = Nought(), down = Nought();
-  for (int i = 0; i < shape.count; i += kLanes) {
-    const Four weighted = At(shape.weight, i) * At(grey, i);
-    mean += weighted;
-    across += weighted * At(shape.column, i);
-    down += weighted * At(shape.row, i);
-  }
-  mean = All(Sum(mean) / shape.weight_sum);
-  across = All(Sum(across) / shape.moment);
-  down = All(Sum(down) / shape.moment);
-  for (int i = 0; i < shape.count; i += kLanes) {
-    const Four tilt = mean + across * At(shape.column, i) + down * At(shape.row, i);
-    Set(grey, i, At(grey, i) - tilt);
-  }
-}
-
-// Normalises `grey` in place; the standard deviation found, or nothing for a flat window.
-std::optional<double> Normalise(const WindowShape& shape, Samples& grey) {
-  TakeOffPlane(shape, grey);
-  Four square = Nought();
-  for (int i = 0; i < shape.count; i += kLanes) {
-    const Four value = At(grey, i);
-    square += At(shape.weight, i) * value * value;
-  }
-  constexpr double kFlatGrey = 1.0;  // below one grey level there is only quantisation
-  const double deviation = std::sqrt(Sum(square) / shape.weight_sum);
-  if (!(deviation > kFlatGrey)) return std::nullopt;
-  for (int i = 0; i < shape.count; i += kLanes) {
-    Set(grey, i, At(grey, i) * All(1.0 / deviation));
-  }
-  return deviation;
-}
 
 bool Inside(const GreyView& image, const Eigen::Vector2i& centre, int radius) {
   return centre.x() >= radius && centre.y() >= radius && centre.x() + radius < image.width &&
@@ -224,7 +143,7 @@ float Cubic(const GreyView& image, const Eigen::Vector2d& x) {
 }
 
 // Where in the target the samples are looked for, but for the warp that is searched.
-using Offsets = std::array<Eigen::Vector2d, kMaxSamples>;
+using Offsets = std::array<Eigen::Vector2d, kMaxWindowSamples>;
 
 Offsets BentOffsets(const WindowShape& shape, const PatchWarp& start) {
   Offsets offsets;
@@ -302,8 +221,8 @@ std::optional<PatchAlignment> AlignPatch(const GreyView& source, const Eigen::Ve
                                          const GreyView& target, const PatchWarp& start,
                                          const PatchAlignmentOptions& options) {
   const int radius = options.radius_px;
-  if (radius >= kMaxRadius || !Inside(source, centre, radius + 1)) return std::nullopt;
-  Template window(ShapeOf(radius));
+  if (radius >= kMaxWindowRadius || !Inside(source, centre, radius + 1)) return std::nullopt;
+  Template window(WindowShapeOf(radius));
   if (!FillTemplate(source, centre, radius, window)) return std::nullopt;
   const Eigen::LDLT<Matrix6> solver(window.hessian);
   if (solver.info() != Eigen::Success || !(solver.rcond() > 1e-8)) return std::nullopt;
