@@ -26,8 +26,7 @@ PairCounts SharedPoints(const std::vector<AdjustedPoint>& points, DisjointSets& 
       if (groups.empty() || groups.back() != group) groups.push_back(group);
     }
     std::ranges::sort(groups);
-    const auto repeated = std::ranges::unique(groups);
-    groups.erase(repeated.begin(), repeated.end());
+    groups.erase(std::unique(groups.begin(), groups.end()), groups.end());
     for (auto a = groups.begin(); a != groups.end(); ++a) {
       for (auto b = std::next(a); b != groups.end(); ++b) ++shared[{*a, *b}];
     }

@@ -22,6 +22,7 @@ WindowShape::WindowShape(int radius) {
 const WindowShape& WindowShapeOf(int radius) {
   static const auto kShapes = [] {
     std::vector<WindowShape> shapes;
+    shapes.reserve(kMaxWindowRadius);
     for (int r = 0; r < kMaxWindowRadius; ++r) shapes.emplace_back(r);
     return shapes;
   }();
