@@ -133,7 +133,8 @@ std::vector<Descriptor> Describe(const Keypoints& keypoints,
   std::vector<cv::KeyPoint> described;
   for (const std::size_t i : chosen) described.push_back(keypoints.found[i]);
   cv::Mat values;
-  MakeSift({})->compute(keypoints.searched, described, values);
+  constexpr double kAnyContrast = 0.0;  // they have been found already
+  MakeSift(kAnyContrast)->compute(keypoints.searched, described, values);
   std::vector<Descriptor> descriptors(chosen.size());
   for (std::size_t i = 0; i < chosen.size(); ++i) {
     const float* row = values.ptr<float>(static_cast<int>(i));

@@ -25,7 +25,9 @@ int SearchReduction(const cv::Size& size, const FeatureOptions& options);
 // keypoints share a place. Deterministic; runs on the calling thread.
 Keypoints DetectKeypoints(const cv::Mat& grey, const cv::Mat& mask, const FeatureOptions& options);
 
-// SIFT's descriptors of those that are `chosen` (indices), which is the larger part of its work.
+// SIFT's descriptors of those that are `chosen` (indices), which is the larger part of its work. It
+// doubles the image only where one of these was found in the doubled one, which changes the others'
+// a little.
 std::vector<Descriptor> Describe(const Keypoints& keypoints,
                                  const std::vector<std::size_t>& chosen);
 
