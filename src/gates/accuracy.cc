@@ -16,7 +16,7 @@ double PathLength(const Trajectory& trajectory) {
   double path_m = 0.0;
   const TimedPose* before = nullptr;
   for (const TimedPose& pose : trajectory) {
-    if (pose.source == PoseSource::kPredicted) continue;
+    if (!pose.IsMeasured()) continue;
     if (before) {
       path_m += (pose.world_from_left.translation - before->world_from_left.translation).norm();
     }
@@ -25,14 +25,15 @@ double PathLength(const Trajectory& trajectory) {
   return path_m;
 }
 
-// Relative sigma of the distance from the first frame to the farthest measured one.
+// Relative sigma of the distance from the first measured frame to the farthest one.
 std::optional<double> FarthestSigma(const Trajectory& trajectory) {
+  if (trajectory.empty()) return std::nullopt;
+  const Eigen::Vector3d start = trajectory[FirstMeasured(trajectory)].world_from_left.translation;
   double farthest_m = 0.0;
   std::optional<double> sigma;
   for (const TimedPose& pose : trajectory) {
-    if (pose.source == PoseSource::kPredicted) continue;
-    const Eigen::Vector3d way =
-        pose.world_from_left.translation - trajectory.front().world_from_left.translation;
+    if (!pose.IsMeasured()) continue;
+    const Eigen::Vector3d way = pose.world_from_left.translation - start;
     if (way.norm() <= farthest_m) continue;
     farthest_m = way.norm();
     const Eigen::Vector3d direction = way / farthest_m;
@@ -51,7 +52,7 @@ std::optional<double> SimilaritySigma(const Trajectory& trajectory) {
   std::vector<const TimedPose*> poses;
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
   for (const TimedPose& pose : trajectory) {
-    if (pose.source == PoseSource::kPredicted) continue;
+    if (!pose.IsMeasured()) continue;
     poses.push_back(&pose);
     mean += pose.world_from_left.translation;
   }
@@ -95,8 +96,7 @@ double Radius95(const Eigen::Matrix3d& covariance) {
 Accuracy AccuracyOf(const Trajectory& trajectory, const Adjustment& adjustment,
                     const StereoRig& rig, const BesideCovariances& beside) {
   Accuracy accuracy{.path_m = PathLength(trajectory)};
-  const auto measured = std::ranges::count_if(
-      trajectory, [](const TimedPose& pose) { return pose.source != PoseSource::kPredicted; });
+  const auto measured = std::ranges::count_if(trajectory, &TimedPose::IsMeasured);
   if (measured < 2) return accuracy;
   const bool is_way = accuracy.path_m >= rig.Baseline();
   if (is_way && !std::isfinite(beside.calibration_scale_sigma)) {
@@ -116,10 +116,10 @@ Accuracy AccuracyOf(const Trajectory& trajectory, const Adjustment& adjustment,
   }
   if (rig.baseline_sigma_m) accuracy.baseline_95_pct = 100.0 * kSigmas95 * of_baseline;
   if (!beside.positions_known) return accuracy;
+  const Eigen::Vector3d start = trajectory[FirstMeasured(trajectory)].world_from_left.translation;
   for (const TimedPose& pose : trajectory) {
-    if (pose.source == PoseSource::kPredicted) continue;
-    const Eigen::Vector3d way =
-        pose.world_from_left.translation - trajectory.front().world_from_left.translation;
+    if (!pose.IsMeasured()) continue;
+    const Eigen::Vector3d way = pose.world_from_left.translation - start;
     const double radius_m = Radius95(pose.position_covariance +
                                      of_all_lengths * of_all_lengths * way * way.transpose());
     accuracy.position_95_m = std::max(accuracy.position_95_m.value_or(0.0), radius_m);

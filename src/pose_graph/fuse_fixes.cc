@@ -9,6 +9,7 @@
 #include "core/statistics.h"
 #include "geometry/motion_block.h"
 #include "pose_graph/internal/fix_errors.h"
+#include "pose_graph/internal/step_noise.h"
 
 namespace rigmap {
 namespace {
@@ -21,32 +22,6 @@ constexpr double kUpSigma_rad = 0.02;
 
 double SecondsSinceFirst(const Trajectory& poses, std::size_t i) {
   return 1e-9 * static_cast<double>(poses[i].stamp_ns - poses.front().stamp_ns);
-}
-
-// A random walk that grows to the sigmas of the least known pose.
-StepNoise NoiseOfSteps(const Trajectory& poses, double scale_sigma) {
-  std::size_t worst = 0;
-  double length_m = 0.0, length_of_worst_m = 0.0;
-  for (std::size_t i = 1; i < poses.size(); ++i) {
-    length_m +=
-        (poses[i].world_from_left.translation - poses[i - 1].world_from_left.translation).norm();
-    if (poses[i].position_covariance.trace() <= poses[worst].position_covariance.trace()) continue;
-    worst = i;
-    length_of_worst_m = length_m;
-  }
-  StepNoise noise;
-  if (worst == 0) return noise;
-  const auto steps = static_cast<double>(worst);
-  const Vector6d& sigmas = poses[worst].sigmas;
-  noise.radians = std::max(noise.radians, sigmas.tail<3>().norm() / std::sqrt(3.0 * steps));
-  // What neither the common scale nor the walk of the headings explains.
-  const double by_scale = scale_sigma * length_of_worst_m;
-  const double by_heading =
-      noise.radians * std::sqrt(steps / 3.0) * length_of_worst_m * std::sqrt(2.0 / 3.0);
-  const double rest =
-      sigmas.head<3>().squaredNorm() - by_scale * by_scale - by_heading * by_heading;
-  noise.metres = std::max(noise.metres, std::sqrt(std::max(0.0, rest) / (3.0 * steps)));
-  return noise;
 }
 
 // The pose before a time and how far it is to the next one.
@@ -66,6 +41,7 @@ std::optional<Between> Find(const Trajectory& poses, double time_s, double max_g
   const auto after = static_cast<std::size_t>(end - poses.begin());
   const double from_s = SecondsSinceFirst(poses, after - 1), to_s = SecondsSinceFirst(poses, after);
   if (to_s - from_s > max_gap_s) return std::nullopt;
+  if (!poses[after - 1].IsMeasured() || !poses[after].IsMeasured()) return std::nullopt;
   return Between{after - 1, (time_s - from_s) / (to_s - from_s)};
 }
 
@@ -75,7 +51,7 @@ class FixFuser {
       : poses_(poses),
         fixes_(fixes),
         fusion_(fusion),
-        noise_(NoiseOfSteps(poses, fusion.scale_sigma)),
+        noise_(NoisePerStep(poses, fusion.scale_sigma)),
         used_(fixes.size(), 0) {
     for (const TimedPose& pose : poses) blocks_.push_back(ToBlock(pose.world_from_left));
     for (std::size_t i = 0; i < fixes.size(); ++i) {
@@ -108,11 +84,11 @@ class FixFuser {
     ceres::Problem problem(options);
     ceres::ProductManifold<ceres::EigenQuaternionManifold, ceres::EuclideanManifold<3>> motion;
     for (auto& block : blocks_) problem.AddParameterBlock(block.data(), 7, &motion);
-    problem.SetParameterBlockConstant(blocks_.front().data());
+    problem.SetParameterBlockConstant(blocks_[FirstMeasured(poses_)].data());
     for (std::size_t i = 1; i < poses_.size(); ++i) {
       const Rigid3 step = poses_[i - 1].world_from_left.Inverse() * poses_[i].world_from_left;
       problem.AddResidualBlock(
-          new ceres::AutoDiffCostFunction<StepError, 6, 7, 7, 1>(new StepError{step, noise_}),
+          new ceres::AutoDiffCostFunction<StepError, 6, 7, 7, 1>(new StepError{step, noise_[i]}),
           nullptr, blocks_[i - 1].data(), blocks_[i].data(), &scale_);
     }
     for (std::size_t i = 0; i < fixes_.size(); ++i) {
@@ -225,7 +201,7 @@ class FixFuser {
   const Trajectory& poses_;
   const std::vector<AntennaFix>& fixes_;
   const FixFusion& fusion_;
-  StepNoise noise_;
+  std::vector<StepNoise> noise_;  // of the step to each pose
   std::vector<std::optional<Between>> spans_;  // of each fix among the poses
   std::vector<char> used_;
   std::vector<MotionBlock> blocks_;

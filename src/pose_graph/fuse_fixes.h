@@ -29,7 +29,7 @@ struct FixFusion {
 };
 
 struct FusedFixes {
-  std::vector<Rigid3> world_from_left;  // in the world of the poses given: the first is as it was
+  std::vector<Rigid3> world_from_left;  // in the world of the poses given: the first measured is as it was
   Rigid3 enu_from_world;
   double scale = 1.0;           // by which the path was lengthened
   double clock_offset_s = 0.0;  // beside what is in the fixes' times: of a fix minus the poses'
@@ -44,16 +44,16 @@ struct FusedFixes {
 
 // Steps keep the motion of the poses given. How far each may be off follows from what the poses
 // say of themselves: a random walk of headings and positions that grows to the sigmas of the least
-// known one, and the scale in common. Heading, inclination, origin and scale are solved with all
-// poses; the world's first pose is held, which no fix is tied to otherwise. Fixes pull under
-// Cauchy's loss first; those further off than four sigmas are then left out (Ceres, one thread:
-// equal input gives equal output). `poses` has two or more, those predicted stand between others.
-// Nothing where fewer than four fixes lie in the time of the poses or fewer than two thirds of them
-// are believed.
+// known one that was measured, and the scale in common; those predicted are as loose as they say,
+// and no fix lies beside them. Heading, inclination, origin and scale are solved with all poses; the
+// first measured pose is held in its world, which only fixes tie to the Earth. Fixes pull under Cauchy's loss
+// first; those further off than four sigmas are then left out (Ceres, one thread: equal input gives
+// equal output). `poses` has two or more. Nothing where fewer than four fixes lie between measured
+// poses or fewer than two thirds of them are believed.
 std::optional<FusedFixes> FuseFixes(const Trajectory& poses, const std::vector<AntennaFix>& fixes,
                                     const FixFusion& fusion);
 
-// The antenna at that time, between the poses; nothing outside them or in a gap.
+// The antenna at that time, between measured poses; nothing outside them or in a gap.
 std::optional<Eigen::Vector3d> AntennaAt(const Trajectory& poses, double time_s,
                                          const Eigen::Vector3d& antenna_in_left, double max_gap_s);
 

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
+#include <cstddef>
 #include <string_view>
 #include <vector>
 
@@ -32,6 +34,8 @@ struct TimedPose {
   PoseSource source = PoseSource::kPredicted;
   bool keyframe = false;
 
+  bool IsMeasured() const { return source != PoseSource::kPredicted; }
+
   template <class Archive>
   void serialize(Archive& archive) {
     archive(stamp_ns, world_from_left, sigmas, position_covariance, source, keyframe);
@@ -39,5 +43,11 @@ struct TimedPose {
 };
 
 using Trajectory = std::vector<TimedPose>;  // strictly increasing stamps
+
+// Index of the first measured pose, which sigmas are relative to; 0 where none is.
+inline std::size_t FirstMeasured(const Trajectory& trajectory) {
+  const auto first = std::ranges::find_if(trajectory, &TimedPose::IsMeasured);
+  return first == trajectory.end() ? 0 : static_cast<std::size_t>(first - trajectory.begin());
+}
 
 }  // namespace rigmap

@@ -174,5 +174,18 @@ TEST(AccuracyOf, AGuessMakesNoWay) {
   EXPECT_NEAR(AccuracyOf(trajectory, {}, LocCamRig()).path_m, 4.5, 1e-12);
 }
 
+// Covariances are relative to the first pose that was measured, and so are ways.
+TEST(AccuracyOf, CountsWaysFromTheFirstMeasuredPose) {
+  Trajectory trajectory = Drive();
+  trajectory.back().position_covariance(0, 0) = 0.0004;
+  const auto plain = AccuracyOf(trajectory, {}, LocCamRig(), {.calibration_scale_sigma = 0.01});
+  TimedPose guess{.stamp_ns = -1};
+  guess.world_from_left.translation.x() = -20.0;
+  trajectory.insert(trajectory.begin(), guess);
+  const auto late = AccuracyOf(trajectory, {}, LocCamRig(), {.calibration_scale_sigma = 0.01});
+  EXPECT_DOUBLE_EQ(late.scale_95_pct.value(), plain.scale_95_pct.value());
+  EXPECT_DOUBLE_EQ(late.position_95_m.value(), plain.position_95_m.value());
+}
+
 }  // namespace
 }  // namespace rigmap

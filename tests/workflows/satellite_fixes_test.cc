@@ -60,6 +60,7 @@ class SatelliteFixes : public testing::Test {
   Outcome Tie(const Eigen::Vector3d& antenna = kAntenna, double max_clock_offset_s = 3.0) const {
     Dataset dataset;
     dataset.rig.antenna_in_left = antenna;
+    dataset.rig.right_from_left.translation.x() = -0.12;
     AdjustedPart part{.trajectory = drive_.images};
     part.adjustment.world_from_left.resize(drive_.images.size());
     part.adjustment.scale_sigma = 0.003;
@@ -167,6 +168,43 @@ TEST_F(SatelliteFixes, OfFewFixesEveryOtherOneJudges) {
   } else {
     EXPECT_NEAR(outcome.error_m, ErrorOfImages(), 1e-9);
   }
+}
+
+// The first frames were black: their poses are guesses, and the path begins behind them.
+TEST_F(SatelliteFixes, GuessesBeforeThePathHoldNothing) {
+  constexpr int kGuessed = 4;
+  const Outcome plain = Tie();
+  for (int i = 0; i < kGuessed; ++i) {
+    drive_.images[i].source = PoseSource::kPredicted;
+    drive_.images[i].world_from_left.translation += Eigen::Vector3d(0.5, 0.4, 0.1);
+    drive_.images[i].position_covariance = 0.4 * Eigen::Matrix3d::Identity();
+    drive_.images[i].sigmas << Eigen::Vector3d::Constant(0.63), Eigen::Vector3d::Constant(0.1);
+  }
+  const Outcome outcome = Tie();
+  ASSERT_TRUE(outcome.report["used"]) << outcome.report.dump();
+  EXPECT_LE(outcome.report["not_believed"].get<int>(), 1) << "the one beside a guess";
+  EXPECT_NEAR(outcome.report["scale_correction_pct"].get<double>(),
+              plain.report["scale_correction_pct"].get<double>(), 0.03);
+  EXPECT_LT(outcome.report["judging_rms_after_m"].get<double>(),
+            1.1 * plain.report["judging_rms_after_m"].get<double>());
+}
+
+// Those that tie are drawn aside where the others are not: most of the way would be better, the
+// rest ruined.
+TEST_F(SatelliteFixes, ARuinedStretchIsNotLeftOutOfTheJudgement) {
+  const LocalFrame frame(kKatwijk);
+  for (GnssFix& fix : fixes_) {
+    const double time_s = 1e-9 * static_cast<double>(fix.stamp_ns);
+    if (time_s < 140.0 || fix.stamp_ns / 10'000'000'000 % 2 == 1) continue;
+    Eigen::Vector3d enu = frame.ToEnu({fix.latitude_deg, fix.longitude_deg, fix.altitude_m});
+    enu.x() += 0.02 * (time_s - 140.0);  // a metre at the end
+    const Geodetic moved = frame.ToGeodetic(enu);
+    fix.latitude_deg = moved.latitude_deg;
+    fix.longitude_deg = moved.longitude_deg;
+    fix.sigma_enu_m.setConstant(0.05);
+  }
+  const Outcome outcome = Tie();
+  EXPECT_LT(outcome.error_m, 1.01 * ErrorOfImages());
 }
 
 TEST_F(SatelliteFixes, AreNotUsedWhereNoneIsLeftToJudge) {

@@ -6,11 +6,11 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <optional>
 
 #include "core/error.h"
 #include "core/statistics.h"
+#include "gates/accuracy.h"
 #include "georeference/local_frame.h"
 #include "pipeline/code_identity.h"
 #include "pose_graph/fuse_fixes.h"
@@ -27,14 +27,15 @@ double SecondsBetween(StampNs from_ns, StampNs to_ns) {
 
 class FixTie {
  public:
-  FixTie(const AdjustedPart& part, const JoinedParts& parts, const SplitFixes& fixes,
-         const Eigen::Vector3d& antenna, const RtkAlignmentOptions& options)
+  FixTie(const AdjustedPart& part, const StereoRig& rig, const JoinedParts& parts,
+         const SplitFixes& fixes, const RtkAlignmentOptions& options)
       : part_(part),
+        rig_(rig),
         fixes_(fixes),
-        antenna_(antenna),
+        antenna_(*rig.antenna_in_left),
         options_(options),
-        whole_(AlignToRtk(fixes.tying, part.trajectory, antenna, options)),
-        clocks_(part.trajectory, parts, fixes.tying, antenna, options) {
+        whole_(AlignToRtk(fixes.tying, part.trajectory, antenna_, options)),
+        clocks_(part.trajectory, parts, fixes.tying, antenna_, options) {
     ReportInput();
   }
 
@@ -47,20 +48,20 @@ class FixTie {
                      "fewer than two thirds of the fixes agree with the path of the images");
     }
     Describe(*fused);
-    const std::optional<double> before_m = JudgedBefore(), after_m = JudgedAfter(*fused);
-    if (!before_m || !after_m) {
+    const auto judged = Judge(*fused);
+    if (!judged) {
       return NotUsed(std::move(result),
                      fmt::format("of the fixes held back, {}, fewer than {} lie beside the path: "
                                  "nothing would check what the others do to it",
                                  fixes_.judging.size(), kFewestJudges));
     }
-    report_["judging_rms_before_m"] = *before_m;
-    report_["judging_rms_after_m"] = *after_m;
+    report_["judging_rms_before_m"] = judged->before_m;
+    report_["judging_rms_after_m"] = judged->after_m;
     // Of equal ones neither is better.
-    if (*after_m > *before_m) {
+    if (judged->after_m > judged->before_m) {
       return NotUsed(std::move(result), fmt::format("the fixes held back would agree with the path "
                                                     "to {:.4f} m instead of {:.4f} m",
-                                                    *after_m, *before_m));
+                                                    judged->after_m, judged->before_m));
     }
     Move(*fused, result.part);
     report_["used"] = true;
@@ -108,38 +109,59 @@ class FixTie {
     return enu_from_world;
   }
 
-  FixFusion Fusion() const {
-    return {antenna_, EnuFromWorld(), part_.adjustment.scale_sigma.value_or(0.0),
-            whole_.alignment->clock_offset_sigma_s, options_.max_gap_s};
+  // Of the length of the path, as the verdict states it; nothing is known of a path without one.
+  double ScaleSigma() const {
+    constexpr double kPerCentAt95 = 100.0 * 1.960;
+    return AccuracyOf(part_.trajectory, part_.adjustment, rig_).scale_95_pct.value_or(0.0) /
+           kPerCentAt95;
   }
 
-  // Horizontal, root mean square of the judging fixes within ten sigmas of the median: those that
-  // are no fixes at all judge nobody. The shifts are those that fit the tying fixes best. Nothing
-  // where there are too few.
-  std::optional<double> Judged(const Trajectory& poses, const Rigid3& enu_from_world,
-                               double clock_s) const {
-    std::vector<double> distances;
+  FixFusion Fusion() const {
+    return {antenna_, EnuFromWorld(), ScaleSigma(), whole_.alignment->clock_offset_sigma_s,
+            options_.max_gap_s};
+  }
+
+  // Horizontal distances of the judging fixes; nothing for those beside no pose.
+  std::vector<std::optional<double>> DistancesOfJudges(const Trajectory& poses,
+                                                       const Rigid3& enu_from_world,
+                                                       double clock_s) const {
+    std::vector<std::optional<double>> distances;
     for (const AntennaFix& fix : InEnu(fixes_.judging)) {
       const auto antenna = AntennaAt(poses, fix.time_s - clock_s, antenna_, options_.max_gap_s);
-      if (!antenna) continue;
-      distances.push_back((enu_from_world * *antenna - fix.x_in_enu).head<2>().norm());
+      auto& distance = distances.emplace_back();
+      if (antenna) distance = (enu_from_world * *antenna - fix.x_in_enu).head<2>().norm();
     }
-    if (distances.size() < kFewestJudges) return std::nullopt;
-    const double limit = 10.0 * Median(distances);
-    std::erase_if(distances, [&](double distance) { return distance > limit; });
-    const double sum =
-        std::inner_product(distances.begin(), distances.end(), distances.begin(), 0.0);
-    return std::sqrt(sum / static_cast<double>(distances.size()));
+    return distances;
   }
-  std::optional<double> JudgedBefore() const {
-    return Judged(part_.trajectory, EnuFromWorld(), 0.0);
-  }
-  std::optional<double> JudgedAfter(const FusedFixes& fused) const {
+
+  // Root mean squares of the same judges. Those that are no fixes at all, by the path as the images
+  // tell it more than ten times the median off, judge nobody. The shifts are those that fit the
+  // tying fixes best.
+  struct Judgement {
+    double before_m = 0.0, after_m = 0.0;
+  };
+  std::optional<Judgement> Judge(const FusedFixes& fused) const {
     Trajectory moved = part_.trajectory;
     for (std::size_t i = 0; i < moved.size(); ++i) {
       moved[i].world_from_left = fused.world_from_left[i];
     }
-    return Judged(moved, fused.enu_from_world, fused.clock_offset_s);
+    const auto before = DistancesOfJudges(part_.trajectory, EnuFromWorld(), 0.0);
+    const auto after = DistancesOfJudges(moved, fused.enu_from_world, fused.clock_offset_s);
+    std::vector<double> there;
+    for (std::size_t i = 0; i < before.size(); ++i) {
+      if (before[i] && after[i]) there.push_back(*before[i]);
+    }
+    if (there.size() < kFewestJudges) return std::nullopt;
+    const double limit = 10.0 * Median(there);
+    Judgement sum;
+    int count = 0;
+    for (std::size_t i = 0; i < before.size(); ++i) {
+      if (!before[i] || !after[i] || *before[i] > limit) continue;
+      sum.before_m += *before[i] * *before[i];
+      sum.after_m += *after[i] * *after[i];
+      ++count;
+    }
+    return Judgement{std::sqrt(sum.before_m / count), std::sqrt(sum.after_m / count)};
   }
 
   void Describe(const FusedFixes& fused) {
@@ -193,6 +215,7 @@ class FixTie {
   }
 
   const AdjustedPart& part_;
+  const StereoRig& rig_;
   const SplitFixes& fixes_;
   Eigen::Vector3d antenna_;
   const RtkAlignmentOptions& options_;
@@ -206,7 +229,7 @@ TiedPart MakeTied(const StageContext&, const Dataset& dataset, const AdjustedPar
                   const RtkAlignmentOptions& options) {
   RequireFixes(dataset.rig.source, dataset.rig.antenna_in_left.has_value(),
                fixes.tying.size() + fixes.judging.size());
-  return FixTie(part, parts, fixes, *dataset.rig.antenna_in_left, options).Tie();
+  return FixTie(part, dataset.rig, parts, fixes, options).Tie();
 }
 
 void PublishTied(Publication& publication, const StageContext&, const TiedPart& tied,

@@ -6,13 +6,9 @@
 
 #include "geometry/rigid3.h"
 #include "pose_graph/fuse_fixes.h"
+#include "pose_graph/internal/step_noise.h"
 
 namespace rigmap {
-
-// Of each step, one sigma per axis. Never less than here, however sure poses are of themselves.
-struct StepNoise {
-  double metres = 1e-4, radians = 1e-5;
-};
 
 template <class Scalar>
 using Vector3 = Eigen::Matrix<Scalar, 3, 1>;
