@@ -9,8 +9,10 @@
 
 #include "core/error.h"
 #include "dead_reckoning/estimate_motion.h"
+#include "dead_reckoning/internal/sensor_steps.h"
 #include "dead_reckoning/internal/wheel_agreement.h"
 #include "trajectory/lost_frames.h"
+#include "trajectory/motion_model.h"
 
 namespace rigmap {
 namespace {
@@ -169,7 +171,7 @@ Odometry BridgeGaps(const Dataset& dataset, Odometry odometry, const DeadReckoni
                motion.agreement.along, motion.agreement.aside, motion.agreement.turn);
   // In order, so that what hangs on a frame follows it.
   const Odometry before = odometry;
-  const Choice choice = Choose(dataset, before, lost, motion, steps, options.wheel_radius_m);
+  const Choice choice = Choose(dataset, before, lost, motion, steps, WheelRadius(dataset.rig, options));
   int slipping = 0;
   for (int i = 1; i < static_cast<int>(before.size()); ++i) {
     OdometryFrame& frame = odometry[i];
@@ -191,6 +193,7 @@ Odometry BridgeGaps(const Dataset& dataset, Odometry odometry, const DeadReckoni
   }
   const auto bridged = std::ranges::count(odometry, true, &OdometryFrame::bridged);
   if (bridged > 0) {
+    BridgePredicted(odometry);
     spdlog::warn("{} frames are posed by wheels and gyro: the images lost their way", bridged);
   }
   if (slipping > 0) {

@@ -44,12 +44,15 @@ Eigen::Vector3d RateAt(StampNs stamp_ns, const InertialSample& before,
 
 }  // namespace
 
+double WheelRadius(const StereoRig& rig, const DeadReckoningOptions& options) {
+  return rig.wheels ? rig.wheels->radius_m.value_or(options.wheel_radius_m)
+                    : options.wheel_radius_m;
+}
+
 WheelWay::WheelWay(const WheelRecord& wheels, const StereoRig& rig,
                    const DeadReckoningOptions& options)
     : max_gap_ns_(Nanoseconds(options.max_gap_s)) {
-  double radius_m = options.wheel_radius_m;
-  if (rig.wheels && rig.wheels->radius_m) radius_m = *rig.wheels->radius_m;
-  const double metres_per_rad = radius_m / (1.0 + options.wheel_slip);
+  const double metres_per_rad = WheelRadius(rig, options) / (1.0 + options.wheel_slip);
   double way_m = 0.0;
   for (std::size_t i = 0; i < wheels.samples.size(); ++i) {
     const WheelSample& sample = wheels.samples[i];

@@ -9,10 +9,6 @@
 namespace rigmap {
 namespace {
 
-// A motion is known in metres by so many points whose depth the disparity tells to such a share.
-constexpr int kLeastNear = 6;
-constexpr double kNear = 0.1;
-
 double MedianShift(const Reference& reference, const FrameFeatures& current,
                    const std::vector<FeatureMatch>& matches) {
   std::vector<double> shifts;
@@ -22,19 +18,6 @@ double MedianShift(const Reference& reference, const FrameFeatures& current,
         (current.features[match.b].left - reference.features.features[match.a].left).norm());
   }
   return Median(std::move(shifts));
-}
-
-// A disparity that is off by its noise in all points alike, by the calibration, falsifies a motion
-// by as much as their depths. Of points that are far this is more than all else.
-double MetresSigma(const Reference& reference, const std::vector<FeatureMatch>& matches) {
-  std::vector<double> shares;
-  for (const FeatureMatch& match : matches) {
-    if (const auto& point = reference.points[match.a]) {
-      shares.push_back(point->depth_sigma_m / point->x_in_left.norm());
-    }
-  }
-  const auto near = std::ranges::count_if(shares, [](double share) { return share <= kNear; });
-  return near >= kLeastNear || shares.empty() ? 0.0 : Median(std::move(shares));
 }
 
 std::optional<Found> Solve(const Reference& reference, const FrameFeatures& current,
@@ -52,7 +35,7 @@ std::optional<Found> Solve(const Reference& reference, const FrameFeatures& curr
   if (!pose) return std::nullopt;
   const std::vector<FeatureMatch> agreeing = seen.Agreeing(*pose);
   return Found{pose->current_from_reference, pose->covariance, pose->inlier_count,
-               MedianShift(reference, current, agreeing), MetresSigma(reference, agreeing)};
+               MedianShift(reference, current, agreeing), MetresSigma(reference.points, agreeing)};
 }
 
 }  // namespace

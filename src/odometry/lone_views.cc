@@ -10,6 +10,7 @@
 #include "correspondence/sightings.h"
 #include "geometry/adjoint.h"
 #include "trajectory/lost_frames.h"
+#include "trajectory/motion_model.h"
 
 namespace rigmap {
 namespace {
@@ -59,7 +60,10 @@ class Bridger {
             odometry_[frame.reference].world_from_left * OdometricStep(before_, frame.reference, i);
       }
     }
-    if (bridged_ > 0) spdlog::info("{} frames are posed by lone images", bridged_);
+    if (bridged_ > 0) {
+      spdlog::info("{} frames are posed by lone images", bridged_);
+      BridgePredicted(odometry_);
+    }
     return std::move(odometry_);
   }
 
@@ -99,9 +103,13 @@ class Bridger {
     const std::array guesses{EyeFromLeft(view.eye)};
     const auto pose = EstimateStereoPose(sightings.sightings, seen, guesses, options);
     if (!pose) return std::nullopt;
-    return Motion{pose->current_from_reference,
+    Motion motion{pose->current_from_reference,
                   options_.shared_noise * options_.shared_noise * pose->covariance,
                   pose->inlier_count};
+    const Eigen::Vector3d unsure = MetresSigma(frame.points, sightings.Agreeing(*pose)) *
+                                   pose->current_from_reference.translation;
+    motion.covariance.topLeftCorner<3, 3>() += unsure * unsure.transpose();
+    return motion;
   }
 
   Rigid3 EyeFromLeft(Eye eye) const { return eye == Eye::kLeft ? Rigid3() : rig_.right_from_left; }

@@ -110,6 +110,34 @@ TEST_F(LoneViewsTest, AFrameWithOneReadableImageIsPosedByIt) {
   EXPECT_LT(ErrorOf(bridged, 1, 1).head<3>().norm(), 0.005);
 }
 
+// Between both stereo frames lies one that shows nothing, posed by a guess that goes astray.
+TEST_F(LoneViewsTest, AGuessInBetweenIsMovedOntoTheWay) {
+  Make();
+  const FrameFeatures nothing{.stamp_ns = (frames_[0].stamp_ns + frames_[1].stamp_ns) / 2 + 1000};
+  frames_.insert(frames_.begin() + 1, nothing);
+  OdometryFrame guess{.stamp_ns = nothing.stamp_ns};
+  guess.world_from_left.translation = {0.3, 0.2, 0.1};
+  odometry_.insert(odometry_.begin() + 1, guess);
+  odometry_[2].reference = 1;
+  const Odometry bridged = Bridge({View(Eye::kLeft)});
+  ASSERT_EQ(bridged[2].source, PoseSource::kOdometry);
+  EXPECT_EQ(bridged[1].source, PoseSource::kPredicted);
+  const Eigen::Vector3d half_way = 0.5 * bridged[2].world_from_left.translation;
+  EXPECT_LT((bridged[1].world_from_left.translation - half_way).norm(), 0.05);
+}
+
+// Of ground ten times as far away the disparity tells no metres, whatever it was measured to.
+TEST_F(LoneViewsTest, FarGroundTellsNoMetres) {
+  Make();
+  const double near_m2 = Bridge({View(Eye::kLeft)})[1].step_covariance.topLeftCorner<3, 3>().trace();
+  options_.disparity_noise_px *= 100.0;  // no depth is known to a tenth
+  const Odometry bridged = Bridge({View(Eye::kLeft)});
+  ASSERT_EQ(bridged[1].source, PoseSource::kOdometry);
+  const double far_m2 = bridged[1].step_covariance.topLeftCorner<3, 3>().trace();
+  EXPECT_GT(std::sqrt(far_m2), 0.1 * 0.6) << "a tenth of the shorter way";
+  EXPECT_LT(near_m2, 0.1 * far_m2);
+}
+
 TEST_F(LoneViewsTest, AnImageOfSomethingElseTiesNothing) {
   Make();
   LoneView other = View(Eye::kLeft);

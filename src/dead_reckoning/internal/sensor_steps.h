@@ -20,6 +20,9 @@ struct SensorStep {
 // From the start to the end of a span, without gaps.
 using SensorSteps = std::vector<SensorStep>;
 
+// The rig file's, else the option's, in metres.
+double WheelRadius(const StereoRig& rig, const DeadReckoningOptions& options);
+
 // How far the rover's contact point (ContactInImu) went, as the wheels tell it, at times between
 // the samples. Where the rig states the wheels all of them count, each steered one by the cosine of
 // its angle; else the middle axle, which is not steered and so goes as far as the contact point.
