@@ -51,7 +51,7 @@ void ForEachShown(const GriddedCloud& cloud, const std::function<void(const Surf
   });
   const double most_m = kMostCells * std::max(cloud.cell_m, finest_m);
   ForEachFinite(cloud.ply, [&](const SurfacePoint& point) {
-    if (point.grain_m <= most_m) take(point);
+    if (!point.IsCoarserThan(most_m)) take(point);
   });
 }
 

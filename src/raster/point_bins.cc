@@ -36,7 +36,7 @@ std::size_t PointBins::TileIndex(int tile_column, int tile_row) const {
 }
 
 void PointBins::Add(const SurfacePoint& point) {
-  const bool is_coarse = point.grain_m > frame_.cell_m;
+  const bool is_coarse = point.IsCoarserThan(frame_.cell_m);
   cells_.ForEach(point, [&](int column, int row) {
     const double height_m =
         is_coarse ? HeightAt(point, cells_.InWorld(column, row)) : point.x_in_world.z();

@@ -54,8 +54,8 @@ CellSample SampleOf(const SurfacePoint& point, double height_m, double cell_m) {
                     .observations = static_cast<float>(point.observations),
                     .sigma_m = point.sigma_m,
                     .normal = Packed(point.normal)};
-  const double cells = point.grain_m / cell_m;
-  if (cells > 1.0 + 1e-6) {
+  if (point.IsCoarserThan(cell_m)) {
+    const double cells = point.grain_m / cell_m;
     sample.weight /= static_cast<float>(cells * cells);
     sample.doubt_m = static_cast<float>(kDoubtSigmas * point.sigma_m);
   }

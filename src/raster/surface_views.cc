@@ -160,7 +160,7 @@ std::array<SurfaceGrid, 3> Surfaces(const GriddedCloud& cloud, const std::array<
   }
   const auto visit = [&](auto deed) {
     ForEachShown(cloud, [&](const SurfacePoint& point) {
-      const bool is_coarse = point.grain_m > cloud.cell_m;
+      const bool is_coarse = point.IsCoarserThan(cloud.cell_m);
       const bool has_plane = is_coarse && !point.normal.isZero();
       CellSample sample = SampleOf(point, 0.0, cloud.cell_m);
       for (std::size_t i = 0; i < views.size(); ++i) {

@@ -14,7 +14,12 @@
 namespace rigmap {
 namespace {
 
-constexpr int kTerrainTile = 64;  // blocks to a side: 1024 cells of sixteen to a block
+// Blocks to a side of a tile: some thousand cells, however many there are to a block.
+int BlocksOfTile(int side) {
+  constexpr int kMostBlocks = 64, kCells = 1024;
+  return std::clamp(kCells / side, 1, kMostBlocks);
+}
+
 constexpr float kNoGround = std::numeric_limits<float>::quiet_NaN();
 constexpr double kRadians = std::numbers::pi / 180.0;
 
@@ -101,10 +106,11 @@ void WriteTerrain(MapFile& height, const PointCells& cells, int side, const Terr
   const CellFrame block_frame = BlockFrame(frame, side);
   FootprintLimits limits{0.5 * inputs.options.footprint_m, kRadians * inputs.options.max_slope_deg};
   const int margin = static_cast<int>(limits.radius_m / block_frame.cell_m);
-  for (int row = 0; row < block_frame.rows; row += kTerrainTile) {
-    for (int column = 0; column < block_frame.columns; column += kTerrainTile) {
-      const CellWindow tile{column, row, std::min(kTerrainTile, block_frame.columns - column),
-                            std::min(kTerrainTile, block_frame.rows - row)};
+  const int blocks_of_tile = BlocksOfTile(side);
+  for (int row = 0; row < block_frame.rows; row += blocks_of_tile) {
+    for (int column = 0; column < block_frame.columns; column += blocks_of_tile) {
+      const CellWindow tile{column, row, std::min(blocks_of_tile, block_frame.columns - column),
+                            std::min(blocks_of_tile, block_frame.rows - row)};
       const GroundBlocks blocks = ReadBlocks(
           height, frame, side,
           {column - margin, row - margin, tile.columns + 2 * margin, tile.rows + 2 * margin});

@@ -15,6 +15,9 @@ struct SurfacePoint {
   std::uint16_t observations = 0;  // depth pixels that were merged into it
   float sigma_m = 0.0F;            // one standard deviation along the viewing rays
   float grain_m = 0.0F;            // side of the cube that it stands for; 0: unknown
+
+  // Sides are told apart by far more than a float's last digits.
+  bool IsCoarserThan(double side_m) const { return grain_m > side_m * (1.0 + 1e-6); }
 };
 
 using PointCloud = std::vector<SurfacePoint>;

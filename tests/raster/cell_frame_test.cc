@@ -42,6 +42,27 @@ TEST(CellFrame, HoldsEveryPointAndNoCellMore) {
   EXPECT_EQ(bottom, frame.rows - 1);
 }
 
+// Eight voxels of 0.1 m are a float that is more than eight doubles of 0.1 m.
+TEST(CellFrame, ShowsGrainsOfEightVoxelsOfAnySize) {
+  for (const double voxel_m : {0.001, 0.003, 0.01, 0.03, 0.1, 0.3}) {
+    SurfacePoint fine = MapPoint(0.0, 0.0, 0.0), coarse = MapPoint(1.0, 0.0, 0.0),
+                 too_coarse = MapPoint(2.0, 0.0, 0.0);
+    fine.grain_m = static_cast<float>(0.5 * voxel_m);
+    coarse.grain_m = static_cast<float>(8.0 * voxel_m);
+    too_coarse.grain_m = static_cast<float>(16.0 * voxel_m);
+    const TemporaryFolder folder;
+    const GriddedCloud cloud{WriteCloud(folder.Path() / "cloud.ply", {fine, coarse, too_coarse}),
+                             voxel_m};
+    std::vector<float> shown;
+    ForEachShown(cloud, [&](const SurfacePoint& point) { shown.push_back(point.x_in_world.x()); });
+    EXPECT_THAT(shown, testing::ElementsAre(0.0F, 1.0F)) << voxel_m;
+    SurfacePoint plain = fine;
+    plain.grain_m = static_cast<float>(voxel_m);
+    EXPECT_FALSE(plain.IsCoarserThan(voxel_m));
+    EXPECT_TRUE(coarse.IsCoarserThan(voxel_m));
+  }
+}
+
 TEST(CellFrame, NumbersCellsFromTheUpperLeft) {
   const CellFrame frame = FrameOfCloud({MapPoint(1.01, 2.01, 0.0), MapPoint(3.01, 5.01, 0.0)});
   const Eigen::Vector2d corner = frame.UpperLeft();
