@@ -33,7 +33,10 @@ SeenDepths DepthsSeen(const StereoRig& rig,
     }
   }
   const double overlapping_m = camera.fx * rig.Baseline() / (0.5 * camera.width);
-  if (depths.size() < kFewest) return {overlapping_m, 4.0 * overlapping_m};
+  // Rigs are built for ground whose disparity is a twentieth of the width: 51, 62 and 38 px of
+  // LocCam, KITTI's cameras and EuRoC's.
+  constexpr double kUsualGround = 10.0;
+  if (depths.size() < kFewest) return {overlapping_m, kUsualGround * overlapping_m};
   // In steps of a half octave: a little more or less seen does not make all depth maps others.
   const double half_m = 0.5 * Quantile(depths, 0.001);
   const double rounded_m = std::exp2(0.5 * std::floor(2.0 * std::log2(half_m)));

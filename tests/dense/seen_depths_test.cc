@@ -30,7 +30,7 @@ TEST(DepthsSeen, AreNoNearerThanWhatBothImagesShow) {
   EXPECT_DOUBLE_EQ(DepthsSeen(RigOf(1000.0, 0.5), Points(0.2, 2000)).nearest_m, 1.0);
   const SeenDepths unseen = DepthsSeen(RigOf(1000.0, 0.5), Points(3.0, 50));
   EXPECT_DOUBLE_EQ(unseen.nearest_m, 1.0);
-  EXPECT_DOUBLE_EQ(unseen.near_m, 4.0);
+  EXPECT_DOUBLE_EQ(unseen.near_m, 10.0);
 }
 
 TEST(VoxelFor, IsACentimetreForTheRoverAndMoreForACar) {

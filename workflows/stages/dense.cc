@@ -96,8 +96,6 @@ struct DenseRequest {
   const VoxelOptions& voxel;
 };
 
-using PointsInLeft = std::vector<std::vector<Eigen::Vector3d>>;
-
 // An index without frames, of what was seen.
 DepthIndex IndexFor(const StereoRig& rig, const SeenDepths& seen, const VoxelOptions& voxel) {
   DepthIndex index{.near_m = seen.near_m};

@@ -17,11 +17,13 @@ struct PosedPoint {
   std::vector<PointObservation> in_left;  // what left images show of it
 };
 
+// By frame, in the axes of its left camera, metres.
+using PointsInLeft = std::vector<std::vector<Eigen::Vector3d>>;
+
 struct PosedPart {
   StereoRig rig;  // as the part corrected it
   Trajectory trajectory;
-  // Sparse points in each frame's left camera, metres; empty where the technique has none.
-  std::vector<std::vector<Eigen::Vector3d>> points_in_left;
+  PointsInLeft points_in_left;     // sparse ones; empty where the technique has none
   std::vector<PosedPoint> points;  // the same, once each
   WorldUp world_up = WorldUp::kCamera;
 };

@@ -15,25 +15,12 @@
 namespace rigmap {
 namespace {
 
-// What the keyframes see with both eyes.
-struct SeenPoints {
-  std::vector<Eigen::Vector3d> in_gauge;
+std::vector<double> DepthsOf(const PointsInLeft& points_in_left) {
   std::vector<double> depths_m;
-};
-
-SeenPoints PointsOf(const StereoRig& rig, const FeatureStore& features, const Odometry& odometry,
-                    double disparity_noise_px) {
-  SeenPoints seen;
-  for (std::size_t i = 0; i < odometry.size(); ++i) {
-    if (!odometry[i].keyframe) continue;
-    const FrameFeatures frame = features.Get(static_cast<int>(i));
-    for (const auto& point : TriangulateFeatures(frame.features, rig, disparity_noise_px)) {
-      if (!point) continue;
-      seen.in_gauge.push_back(odometry[i].world_from_left * point->x_in_left);
-      seen.depths_m.push_back(point->x_in_left.z());
-    }
+  for (const auto& points : points_in_left) {
+    for (const Eigen::Vector3d& x : points) depths_m.push_back(x.z());
   }
-  return seen;
+  return depths_m;
 }
 
 OdometricPart MakeOdometric(const StageContext&, const Dataset& dataset,
@@ -44,10 +31,16 @@ OdometricPart MakeOdometric(const StageContext&, const Dataset& dataset,
   std::vector<std::optional<Rigid3>> poses;
   for (const OdometryFrame& frame : odometry) poses.emplace_back(frame.world_from_left);
   std::fill_n(poses.begin(), FirstPosedFrame(odometry), std::nullopt);
-  SeenPoints seen = PointsOf(dataset.rig, features, odometry, options.disparity_noise_px);
-  const LevelledWorld world = LevelWorld(poses, seen.in_gauge, dataset);
-  return {dataset.rig, AssembleTrajectory(odometry, none, world.world_from_gauge), world.up_source,
-          UncheckedScaleSigma(dataset.rig, std::move(seen.depths_m), prior)};
+  PointsInLeft seen =
+      PointsOfKeyframes(dataset.rig, features, odometry, options.disparity_noise_px);
+  std::vector<Eigen::Vector3d> in_gauge;
+  for (std::size_t i = 0; i < seen.size(); ++i) {
+    for (const Eigen::Vector3d& x : seen[i]) in_gauge.push_back(odometry[i].world_from_left * x);
+  }
+  const LevelledWorld world = LevelWorld(poses, in_gauge, dataset);
+  const double scale_sigma = CalibrationScaleSigma(dataset.rig, seen, prior);
+  return {dataset.rig, AssembleTrajectory(odometry, none, world.world_from_gauge), std::move(seen),
+          world.up_source, scale_sigma};
 }
 
 void PublishOdometric(Publication& publication, const StageContext&, const OdometricPart& part,
@@ -62,11 +55,22 @@ Report ReportOdometric(const OdometricPart& part, const Dataset&, const FeatureS
 
 }  // namespace
 
-double CalibrationScaleSigma(const StereoRig& rig, const FeatureStore& features,
-                             const Odometry& odometry, double disparity_noise_px,
+PointsInLeft PointsOfKeyframes(const StereoRig& rig, const FeatureStore& features,
+                               const Odometry& odometry, double disparity_noise_px) {
+  PointsInLeft points(odometry.size());
+  for (std::size_t i = 0; i < odometry.size(); ++i) {
+    if (!odometry[i].keyframe) continue;
+    const FrameFeatures frame = features.Get(static_cast<int>(i));
+    for (const auto& point : TriangulateFeatures(frame.features, rig, disparity_noise_px)) {
+      if (point) points[i].push_back(point->x_in_left);
+    }
+  }
+  return points;
+}
+
+double CalibrationScaleSigma(const StereoRig& rig, const PointsInLeft& points_in_left,
                              const AdjustmentOptions& prior) {
-  SeenPoints seen = PointsOf(rig, features, odometry, disparity_noise_px);
-  return UncheckedScaleSigma(rig, std::move(seen.depths_m), prior);
+  return UncheckedScaleSigma(rig, DepthsOf(points_in_left), prior);
 }
 
 TrajectoryStage OdometricTrajectory() {
@@ -80,7 +84,8 @@ TrajectoryStage OdometricTrajectory() {
 }
 
 PosedPart PosedByOdometry(const StageContext&, const Dataset& dataset, const OdometricPart& part) {
-  PosedPart posed{WithFilesOf(dataset, part.rig), part.trajectory, {}, {}, part.world_up};
+  PosedPart posed{
+      WithFilesOf(dataset, part.rig), part.trajectory, part.points_in_left, {}, part.world_up};
   posed.points_in_left.resize(part.trajectory.size());
   return posed;
 }

@@ -17,14 +17,15 @@ namespace rigmap {
 
 struct OdometricPart {
   StereoRig rig;
-  Trajectory trajectory;  // every paired frame, in the world
+  Trajectory trajectory;        // every paired frame, in the world
+  PointsInLeft points_in_left;  // of its keyframes; empty where no images were asked
   WorldUp world_up = WorldUp::kCamera;
   // Of all lengths, by what the calibration may be off, which nothing here has checked.
   double calibration_scale_sigma = 0.0;
 
   template <class Archive>
   void serialize(Archive& archive) {
-    archive(rig, trajectory, world_up, calibration_scale_sigma);
+    archive(rig, trajectory, points_in_left, world_up, calibration_scale_sigma);
   }
 };
 
@@ -32,10 +33,12 @@ using TrajectoryStage = Stage<OdometricPart, Takes<Dataset, FeatureStore, Odomet
                               Reads<OdometryOptions, AdjustmentOptions>>;
 TrajectoryStage OdometricTrajectory();
 
-// What the prior of the calibration leaves unknown of all lengths, by the depths that the keyframes
-// see (adjustment/unchecked_scale.h).
-double CalibrationScaleSigma(const StereoRig& rig, const FeatureStore& features,
-                             const Odometry& odometry, double disparity_noise_px,
+// What the keyframes see with both eyes.
+PointsInLeft PointsOfKeyframes(const StereoRig& rig, const FeatureStore& features,
+                               const Odometry& odometry, double disparity_noise_px);
+// What the prior of the calibration leaves unknown of all lengths, by the depths of these points
+// (adjustment/unchecked_scale.h).
+double CalibrationScaleSigma(const StereoRig& rig, const PointsInLeft& points_in_left,
                              const AdjustmentOptions& prior);
 
 // A view.
