@@ -51,6 +51,7 @@ StageGraph FilterRecipe(const Dataset& data, const DatasetContent& data_content,
       g.AddStage(Filter(), Reading(o.dead_reckoning, o.filter, o.odometry, o.adjustment),
                  in.dataset, features, odometry);
 
+  g.AddCheck(FilterGates(), Reading(), rover, odometry);
   AddRoverSurface(g, o, in, found, rover, OdometricGates());
   return g;
 }

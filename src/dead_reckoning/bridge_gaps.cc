@@ -18,7 +18,7 @@ namespace rigmap {
 namespace {
 
 // More, and it is the sensors that err: another radius of the wheels, other axes of the IMU.
-constexpr double kMostSlips = 0.5, kMostMisled = 0.2;  // of all steps
+constexpr double kMostSlips = 0.5;  // of all steps
 
 bool IsPredicted(const OdometryFrame& frame) { return frame.source == PoseSource::kPredicted; }
 
@@ -171,7 +171,8 @@ Odometry BridgeGaps(const Dataset& dataset, Odometry odometry, const DeadReckoni
                motion.agreement.along, motion.agreement.aside, motion.agreement.turn);
   // In order, so that what hangs on a frame follows it.
   const Odometry before = odometry;
-  const Choice choice = Choose(dataset, before, lost, motion, steps, WheelRadius(dataset.rig, options));
+  const Choice choice =
+      Choose(dataset, before, lost, motion, steps, WheelRadius(dataset.rig, options));
   int slipping = 0;
   for (int i = 1; i < static_cast<int>(before.size()); ++i) {
     OdometryFrame& frame = odometry[i];

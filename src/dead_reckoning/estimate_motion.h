@@ -53,6 +53,9 @@ struct EstimatedMotion {
   std::vector<int> misled;  // frames whose visual motion nothing else bears out: not used
 };
 
+// Share of the visual steps that may be misled; more, and it is the sensors that err.
+inline constexpr double kMostMisled = 0.2;
+
 // Of all frames. `visual` may be empty, in any order. A DataError says in one sentence why it
 // cannot be done: the rig does not state its IMU, or a sensor that is to be used has no samples, a
 // gap (without `visual` only) or a problem.

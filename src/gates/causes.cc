@@ -208,6 +208,16 @@ Cause MotionsDiffer(const Failed& failed) {
   return {"map and odometry tell of different motions", std::move(found), std::move(advice)};
 }
 
+Cause SensorsContradict(const Failed& failed) {
+  const Gate& gate = *failed.Find("sensors_contradict");
+  return {"images and wheels tell of different motions",
+          fmt::format("images and wheels tell of different motions: {} % of the images' steps "
+                      "contradict wheels and gyro (expected: at most {} %)",
+                      ValueText(gate, 100.0), LimitText(gate, 100.0)),
+          "compare --technique vo with wheels: units and columns of the wheels' file, their radius "
+          "and the IMU's axes in the rig file come first"};
+}
+
 Cause CloudsSlide(const Failed& failed) {
   const Gate& gate = *failed.Find("unheld");
   return {"the surface does not hold the clouds",

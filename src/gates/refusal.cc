@@ -44,6 +44,7 @@ const std::vector<Root>& Roots() {
        {"epipolar_px"},
        Joined({dark, broken, rig, registered, shape, residuals, clouds, motion, lenses, sigmas,
                depth})},
+      {SensorsContradict, {"sensors_contradict"}, Joined({motion, sigmas})},
       {CloudsSlide, {"unheld"}, Joined({dark, broken, closure, motion, sigmas})},
       {NothingToFollow, dark, Joined({broken, registered, sigmas}), true},
       {WayIsBroken, broken, Joined({registered, sigmas}), true},

@@ -14,9 +14,18 @@ std::vector<bool> Selected(const StageGraph& graph, const std::optional<std::str
   const auto& nodes = graph.nodes();
   std::vector<bool> selected(nodes.size(), true);
   if (until) selected = graph.Ancestors(graph.IndexOf(*until));
+  // Views cost nothing, so what a check takes may be one that no stage asked for.
+  std::vector<bool> there = selected;
+  const auto are_there = [&](const StageNode& node) {
+    return std::ranges::all_of(node.inputs, [&](auto in) { return there[in]; });
+  };
   for (std::size_t i = 0; i < nodes.size(); ++i) {
-    if (nodes[i].kind != Kind::kCheck) continue;
-    selected[i] = std::ranges::all_of(nodes[i].inputs, [&](auto in) { return selected[in]; });
+    if (nodes[i].kind == Kind::kView) there[i] = there[i] || are_there(nodes[i]);
+    if (nodes[i].kind == Kind::kCheck) there[i] = selected[i] = are_there(nodes[i]);
+  }
+  for (std::size_t i = nodes.size(); i-- > 0;) {
+    if (!selected[i]) continue;
+    for (const std::size_t input : nodes[i].inputs) selected[input] = true;
   }
   return selected;
 }

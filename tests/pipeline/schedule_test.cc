@@ -10,6 +10,7 @@ namespace rigmap {
 namespace {
 
 using testing::ElementsAre;
+using namespace std::string_literals;
 using testing::IsEmpty;
 
 struct AddOptions {
@@ -52,6 +53,24 @@ TEST(ScheduleTest, SelectsWhatIsAskedForAndTheChecksOnIt) {
   EXPECT_THAT(first.selected, ElementsAre(true, true, false, false, true, false, false));
   const Schedule second = MakeSchedule(graph, Until("second"), {});
   EXPECT_THAT(second.selected, ElementsAre(true, true, true, true, true, false, false));
+}
+
+// The view is there for the check alone.
+TEST(ScheduleTest, SelectsChecksOnViewsOfWhatIsAskedFor) {
+  StageGraph graph;
+  const auto source = graph.AddSource<int>("images", [] { return std::pair("a"s, 3); });
+  const auto first = graph.AddStage(
+      Stage<int, Takes<int>, Reads<AddOptions>>{.name = "first", .code = "v1", .make = Add},
+      Reading(AddOptions{}), source);
+  const auto view = graph.AddView(Double, first);
+  graph.AddCheck(Check<Takes<int>, Reads<>>{"check", "v1", Judge}, Reading(), view);
+  const auto second = graph.AddStage(
+      Stage<int, Takes<int>, Reads<AddOptions>>{.name = "second", .code = "v1", .make = Add},
+      Reading(AddOptions{}), first);
+  const auto later = graph.AddView(Double, second);
+  graph.AddCheck(Check<Takes<int>, Reads<>>{"later", "v1", Judge}, Reading(), later);
+  EXPECT_THAT(MakeSchedule(graph, Until("first"), {}).selected,
+              ElementsAre(true, true, true, true, false, false, false));
 }
 
 TEST(ScheduleTest, OpensOnlyWhatIsSelected) {

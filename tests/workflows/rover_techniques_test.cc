@@ -58,7 +58,9 @@ class RoverOnTheBeach : public testing::Test {
   }
 
   // Part 2 with its images and with other rows of its sensors.
-  ProgramEnd RunWith(const std::string& file, const std::string& rows) const {
+  ProgramEnd RunWith(const std::string& file, const std::string& rows,
+                     const std::string& technique = "wheels",
+                     const std::string& until = "dead_reckoning") const {
     const fs::path part = folder_.Path() / "spoilt" / "Traverse3" / "Part2";
     const fs::path from = beach_ / "Traverse3" / "Part2";
     fs::remove_all(part);
@@ -71,7 +73,7 @@ class RoverOnTheBeach : public testing::Test {
     if (!rows.empty()) {
       WriteFileAtomically(part / file, [&](std::ostream& stream) { stream << rows; });
     }
-    return Run("wheels", folder_.Path() / "spoilt", "2", "dead_reckoning");
+    return Run(technique, folder_.Path() / "spoilt", "2", until);
   }
   // The rows of a file of part 2 as `change` leaves them; an empty one is left out.
   template <class Change>
@@ -109,12 +111,27 @@ TEST_F(RoverOnTheBeach, TheFilterIsAsGoodAsTheBetterOfItsInputs) {
        {std::pair("wheels", "dead_reckoning"), std::pair("vo", "trajectory"),
         std::pair("filter", "filter")}) {
     const ProgramEnd end = Run(technique, beach_, "2", until);
-    // Up to the trajectory only vo is judged, and nothing in it checks the calibration.
-    ASSERT_EQ(end.exit_code, technique == std::string("vo") ? 3 : 0) << end.err;
+    // Without images nothing is judged before the features are there; with them nothing checks the
+    // calibration.
+    ASSERT_EQ(end.exit_code, technique == std::string("wheels") ? 0 : 3) << end.err;
     EXPECT_THAT(end.err, AnyOf(IsEmpty(), HasSubstr("not known of the rig's calibration")));
     ate_m[technique] = Metrics("2")["ate_se3_m"];
   }
   EXPECT_LT(ate_m["filter"], kWorse * std::min(ate_m["vo"], ate_m["wheels"]));
+}
+
+// All encoders are dead: the filter then follows them and refuses what the images tell.
+TEST_F(RoverOnTheBeach, WheelsThatImagesContradictThroughoutAreNamed) {
+  const std::string dead = Rows("odometry.txt", [](int, const std::string& row) {
+    std::istringstream values(row);
+    std::string stamp, value, zeros;
+    values >> stamp;
+    while (values >> value) zeros += " 0";
+    return stamp + zeros;
+  });
+  const ProgramEnd end = RunWith("odometry.txt", dead, "filter", "filter");
+  EXPECT_EQ(end.exit_code, 3);
+  EXPECT_THAT(end.err, HasSubstr("images and wheels tell of different motions"));
 }
 
 TEST_F(RoverOnTheBeach, WhatDeadReckoningCannotPromiseIsNotTrusted) {
@@ -181,7 +198,10 @@ TEST(RoverInTheDark, TheFilterBridgesTenSeconds) {
             0);
   const ProgramEnd end = RunRigmap({"part", "--dataset", drive / "data", "--out", out, "--quiet",
                                     "--technique", "filter", "--until", "filter"});
-  ASSERT_EQ(end.exit_code, 0) << end.err;
+  // Nothing checks the calibration, which is all that is against it.
+  ASSERT_EQ(end.exit_code, 3) << end.err;
+  EXPECT_THAT(end.err, HasSubstr("not known of the rig's calibration"));
+  EXPECT_THAT(end.err, Not(HasSubstr("tell of different motions")));
   std::istringstream rows(ReadTextFile(out / "trajectory.tum"));
   std::istringstream truth(ReadTextFile(drive / "truth" / "Part1" / "trajectory.tum"));
   // Positions of the frames before and after, by lines without comments.

@@ -28,7 +28,7 @@ DeadReckonedPart InWorld(const Dataset& dataset, const EstimatedMotion& motion) 
   std::vector<std::optional<Rigid3>> poses;
   for (const EstimatedPose& pose : motion.poses) poses.emplace_back(pose.gauge_from_left);
   const LevelledWorld world = LevelWorld(poses, {}, dataset);
-  DeadReckonedPart rover{{dataset.rig, {}, world.up_source},
+  DeadReckonedPart rover{{dataset.rig, {}, {}, world.up_source},
                          motion.wheel_scale,
                          motion.wheel_scale_sigma,
                          motion.gyro_bias_radps,
@@ -70,10 +70,12 @@ DeadReckonedPart MakeFiltered(const StageContext&, const Dataset& dataset,
                               const OdometryOptions& visual, const AdjustmentOptions& prior) {
   const std::vector<VisualStep> steps = VisualSteps(odometry);
   DeadReckonedPart rover = InWorld(dataset, EstimateMotion(dataset, steps, options, filter));
+  rover.part.points_in_left =
+      PointsOfKeyframes(dataset.rig, features, odometry, visual.disparity_noise_px);
   if (!steps.empty() && filter.use_vision) {
     rover.visual_scale_sigma = filter.vision_scale_sigma;
     rover.part.calibration_scale_sigma =
-        CalibrationScaleSigma(dataset.rig, features, odometry, visual.disparity_noise_px, prior);
+        CalibrationScaleSigma(dataset.rig, rover.part.points_in_left, prior);
   }
   for (std::size_t i = 0; i < odometry.size(); ++i) {
     rover.part.trajectory[i].keyframe = odometry[i].keyframe;
@@ -114,7 +116,26 @@ Report ReportFiltered(const DeadReckonedPart& rover, const Dataset&, const Featu
   return ReportRover(rover);
 }
 
+Report JudgeFiltered(const DeadReckonedPart& rover, const Odometry& odometry) {
+  const std::size_t steps = VisualSteps(odometry).size();
+  const double refused = static_cast<double>(rover.misled.size()) /
+                         static_cast<double>(std::max<std::size_t>(1, steps));
+  Report gate = {{"name", "sensors_contradict"},
+                 {"value", refused},
+                 {"limit", kMostMisled},
+                 {"passed", refused <= kMostMisled},
+                 {"why", "share of the images' steps that wheels and gyro contradict"}};
+  return {{"gates", Report::array({std::move(gate)})}};
+}
+
 }  // namespace
+
+FilterGatesCheck FilterGates() {
+  return {.name = "filter_gates",
+          .code = CodeHere(),
+          .make = JudgeFiltered,
+          .about = "whether images, wheels and gyro tell of the same motion"};
+}
 
 DeadReckoningStage DeadReckoning() {
   return {.name = "dead_reckoning",

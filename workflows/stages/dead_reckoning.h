@@ -31,6 +31,11 @@ using FilterStage =
           Reads<DeadReckoningOptions, FilterOptions, OdometryOptions, AdjustmentOptions>>;
 FilterStage Filter();
 
+// How much of what the images told the filter refused, because wheels and gyro tell of another
+// motion: where that is more than a little, one of them is wrong throughout.
+using FilterGatesCheck = Check<Takes<DeadReckonedPart, Odometry>, Reads<>>;
+FilterGatesCheck FilterGates();
+
 // Views: as the techniques without an adjustment have a part, and its steps for the gates.
 OdometricPart PartOfRover(const StageContext& context, const DeadReckonedPart& rover);
 // For the map: what stretches it as a whole blurs nothing, and is not in the sigmas.

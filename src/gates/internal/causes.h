@@ -14,6 +14,7 @@ Cause FewRegistered(const Failed& failed);      // registered
 Cause MapIsBent(const Failed& failed);          // baseline_spread, baseline_rejected
 Cause MatchesContradict(const Failed& failed);  // reprojection_px, outlier_share
 Cause MotionsDiffer(const Failed& failed);      // motion_agreement
+Cause SensorsContradict(const Failed& failed);  // sensors_contradict
 Cause CloudsSlide(const Failed& failed);        // unheld
 Cause ChainsDiffer(const Failed& failed);       // closure_sigmas, closure_pct
 Cause DepthsDisagree(const Failed& failed);     // depth_consistency_pct
