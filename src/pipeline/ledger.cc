@@ -21,6 +21,7 @@ StageRecord ReadRecord(const Report& json) {
   record.seconds = json.at("seconds");
   record.peak_rss_mb = json.at("peak_rss_mb");
   record.published = json.at("published").get<std::vector<std::string>>();
+  if (json.contains("bytes")) record.bytes = json.at("bytes");
   record.listed = json.at("listed");
   record.report = json.at("report");
   record.reused = true;
@@ -69,12 +70,45 @@ void WriteLedger(const Ledger& ledger, const std::filesystem::path& root) {
                               {"seconds", record.seconds},
                               {"peak_rss_mb", record.peak_rss_mb},
                               {"published", record.published},
+                              {"bytes", record.bytes},
                               {"listed", record.listed},
                               {"report", record.report}});
   }
   WriteFileAtomically(LedgerPath(root), [&](std::ostream& stream) {
     stream << json.dump(1, ' ', false, Report::error_handler_t::replace) << '\n';
   });
+}
+
+void RecordSizes(const std::filesystem::path& root, Ledger& ledger) {
+  namespace fs = std::filesystem;
+  for (StageRecord& record : ledger.stages) {
+    record.bytes.clear();
+    const auto put = [&](const fs::directory_entry& entry) {
+      if (!entry.is_regular_file() || entry.is_symlink()) return;
+      record.bytes[entry.path().lexically_relative(root).generic_string()] = entry.file_size();
+    };
+    for (const std::string& name : record.published) {
+      const fs::path path = root / name;
+      if (fs::is_directory(path)) {
+        std::ranges::for_each(fs::recursive_directory_iterator(path), put);
+      } else if (fs::exists(path)) {
+        put(fs::directory_entry(path));
+      }
+    }
+  }
+}
+
+bool IsPublished(const StageRecord& record, const std::filesystem::path& root) {
+  const auto is_there = [&](const std::string& name) {
+    std::error_code ignored;
+    return std::filesystem::exists(root / name, ignored);
+  };
+  const auto is_whole = [&](const auto& file) {
+    std::error_code error;
+    return std::filesystem::file_size(root / file.first, error) == file.second && !error;
+  };
+  return std::ranges::all_of(record.published, is_there) &&
+         std::ranges::all_of(record.bytes, is_whole);
 }
 
 }  // namespace rigmap

@@ -106,7 +106,7 @@ void StageRunner::DoStage(std::size_t index) {
   const double start_s = Now();
   const StageContext context = ContextOf(index);
   const StageRecord* valid = ValidRecord(index);
-  const bool published = valid ? IsPublished(*valid) : node.publishes.empty();
+  const bool published = valid ? IsPublished(*valid, root_) : node.publishes.empty();
   const bool kept = !schedule_.anew[index] && (published || node.publish) &&
                     HasArtefact(ProductPath(index), *schedule_.keys[index]) &&
                     (!node.is_whole || IsWhole(index, context));
@@ -242,11 +242,6 @@ void StageRunner::Release(std::size_t done) {
 const StageRecord* StageRunner::ValidRecord(std::size_t index) const {
   const StageRecord* record = ledger_.Find(graph_.nodes()[index].name);
   return record && record->key == schedule_.keys[index] ? record : nullptr;
-}
-
-bool StageRunner::IsPublished(const StageRecord& record) const {
-  return std::ranges::all_of(record.published,
-                             [&](const auto& name) { return fs::exists(root_ / name); });
 }
 
 fs::path StageRunner::ProductPath(std::size_t index) const {

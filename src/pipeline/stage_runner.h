@@ -57,7 +57,6 @@ class StageRunner {
   void Release(std::size_t done);
   // The record, if it speaks of the node's present key.
   const StageRecord* ValidRecord(std::size_t index) const;
-  bool IsPublished(const StageRecord& record) const;
   std::filesystem::path ProductPath(std::size_t index) const;
   StageContext ContextOf(std::size_t index) const;
   void Put(std::size_t index, StageRecord record);

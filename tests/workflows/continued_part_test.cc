@@ -163,8 +163,10 @@ TEST_F(ContinuedPart, SaysInEveryFileThatItIsNotTrustedAsLongAsItIsNot) {
   for (const char* name : {"view_top.png", "view_side.png", "view_oblique.png"}) {
     EXPECT_FALSE(untrusted.at(name) == trusted.at(name)) << name;
   }
-  // What is removed comes back with it, and all of it goes with the reason.
+  // What is removed or cut short comes back with it, and all of it goes with the reason.
   fs::remove(out_ / "trajectory.tum");
+  fs::resize_file(out_ / "dense.ply", 100'000);
+  fs::resize_file(out_ / "sparse" / "points3D.bin", 0);
   ASSERT_EQ(Continue({"--set", "gates.epipolar_px=0.000001"}).exit_code, 3);
   EXPECT_THAT(DifferentFrom(untrusted), IsEmpty());
   ASSERT_EQ(Continue({}).exit_code, 0);
