@@ -32,16 +32,18 @@ Json SigmaSeries(const Trajectory& trajectory) {
   return series;
 }
 
-// The true position at each pose's time, between its neighbours in `rows`; nothing outside.
+// The true position at each pose's time, between its neighbours in `rows`; nothing outside, but for
+// a first row a little behind the first pose.
 std::optional<Eigen::Vector3d> TruthAt(const Json& rows, StampNs stamp_ns) {
   const auto stamp_of = [](const Json& row) { return row[0].get<StampNs>(); };
   const auto after = std::ranges::lower_bound(rows, stamp_ns, {}, stamp_of);
   const auto position = [](const Json& row) { return Eigen::Vector3d(row[1], row[2], row[3]); };
   if (after == rows.end()) return std::nullopt;
   if (stamp_of(*after) == stamp_ns) return position(*after);
-  constexpr StampNs kMatch_ns = 20'000'000;
-  if (stamp_of(*after) - stamp_ns < kMatch_ns) return position(*after);
-  if (after == rows.begin()) return std::nullopt;
+  constexpr StampNs kMatch_ns = 20'000'000;  // the first may lie a little behind the first pose
+  if (after == rows.begin()) {
+    return stamp_of(*after) - stamp_ns < kMatch_ns ? std::optional(position(*after)) : std::nullopt;
+  }
   const auto before = std::prev(after);
   const double share = static_cast<double>(stamp_ns - stamp_of(*before)) /
                        static_cast<double>(stamp_of(*after) - stamp_of(*before));

@@ -47,6 +47,17 @@ bool AreRocks(const std::vector<SegmentedRock>& rocks) {
   return std::ranges::all_of(rocks, [](const auto& rock) { return rock.width_m <= kWidestRock_m; });
 }
 
+// Whether any point of the file is as fine; coarse ones may come first.
+bool HasFinePoints(const std::filesystem::path& ply) {
+  PlyReader reader(ply);
+  PointCloud block;
+  while (reader.Read(block)) {
+    const double finest = SmallestGrain(block);
+    if (finest > 0.0 && finest <= kFinestOfRocks_m * (1.0 + 1e-6)) return true;
+  }
+  return false;
+}
+
 }  // namespace
 
 ThinCloud ReadThinCloud(const std::filesystem::path& ply, std::size_t max_points) {
@@ -56,14 +67,10 @@ ThinCloud ReadThinCloud(const std::filesystem::path& ply, std::size_t max_points
       std::min(1.0, static_cast<double>(max_points) /
                         static_cast<double>(std::max<std::uint64_t>(cloud.count_in_map, 1)));
   HeightGrid heights;
-  bool is_fine = true;
+  const bool is_fine = HasFinePoints(ply);
   std::uint64_t index = 0;
   PointCloud block;
   while (reader.Read(block)) {
-    if (index == 0) {
-      const double finest = SmallestGrain(block);
-      is_fine = finest > 0.0 && finest <= kFinestOfRocks_m * (1.0 + 1e-6);
-    }
     if (is_fine) heights.Add(block);
     for (const SurfacePoint& point : block) {
       const auto before = static_cast<std::uint64_t>(share * static_cast<double>(index));

@@ -33,6 +33,21 @@ TEST(ThinCloudTest, ThinsALargeMapEvenly) {
   EXPECT_NEAR(left, 500, 30);
 }
 
+TEST(ThinCloudTest, CoarsePointsAtTheStartMakeNoCoarseMap) {
+  const TemporaryFolder folder;
+  const PointCloud plane = SamplePlane();
+  PointCloud cloud;
+  for (int i = 0; i < 20000; ++i) {  // some blocks of reading
+    SurfacePoint far = plane.front();
+    far.x_in_world.x() = -50.0F - 0.01F * static_cast<float>(i);
+    far.grain_m = 0.08F;
+    cloud.push_back(far);
+  }
+  cloud.insert(cloud.end(), plane.begin(), plane.end());
+  WriteSamplePly(folder.Path() / "dense.ply", cloud);
+  EXPECT_TRUE(ReadThinCloud(folder.Path() / "dense.ply", 1000).rocks.has_value());
+}
+
 TEST(ThinCloudTest, TellsOfNoRocksInACoarseMap) {
   const TemporaryFolder folder;
   PointCloud plane = SamplePlane();

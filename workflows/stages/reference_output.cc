@@ -78,18 +78,11 @@ void PutFixes(const SurveyedResult& result, const RtkAlignment& alignment, Json&
   }
 }
 
-// Of the grid that the survey names: evaluation.json has refused any other.
-void PutSurveyedRocks(const Json& metrics, const RtkAlignment& alignment, Json& reference) {
+// Where the evaluation laid them.
+void PutSurveyedRocks(const Json& metrics, Json& reference) {
   if (!metrics.contains("surveyed_rocks") || reference.contains("rocks")) return;
-  const LocalFrame plane(alignment.plane_origin);
-  const Rigid2 world_from_plane = alignment.plane_from_world.Inverse();
   for (const Json& rock : metrics["surveyed_rocks"]["each"]) {
-    const Eigen::Vector3d enu = plane.ToEnu(
-        FromUtm31(rock["easting_m"], rock["northing_m"], alignment.plane_origin.altitude_m));
-    const Eigen::Vector2d x = world_from_plane * enu.head<2>();
-    reference["rocks"].push_back({{"size", rock["size"]},
-                                  {"x", ToTenthOfMillimetre(x.x())},
-                                  {"y", ToTenthOfMillimetre(x.y())}});
+    reference["rocks"].push_back({{"size", rock["size"]}, {"x", rock["x_m"]}, {"y", rock["y_m"]}});
   }
 }
 
@@ -104,7 +97,7 @@ Json DescribeReference(const SurveyedResult& result, const Json& metrics,
     const RtkFit fit = AlignToRtk(result.truth.fixes, result.trajectory, *antenna_in_left, options);
     if (fit.alignment) {
       PutFixes(result, *fit.alignment, reference);
-      PutSurveyedRocks(metrics, *fit.alignment, reference);
+      PutSurveyedRocks(metrics, reference);
     }
   }
   return reference;

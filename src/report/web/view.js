@@ -130,10 +130,12 @@ class View {
     }
   }
 
-  // Of a point of the world, where it is in the view, px.
+  // Of a point of the world, where it is in the view, px; NaN for what lies behind the viewer.
   project(point) {
     this.camera.updateMatrixWorld();
-    const seen = new THREE.Vector3(...point).project(this.camera);
+    const seen = new THREE.Vector3(...point).applyMatrix4(this.camera.matrixWorldInverse);
+    if (seen.z >= 0) return [NaN, NaN]; // behind the viewer
+    seen.applyMatrix4(this.camera.projectionMatrix);
     return [(seen.x + 1) / 2 * this.place.clientWidth, (1 - seen.y) / 2 * this.place.clientHeight];
   }
 
