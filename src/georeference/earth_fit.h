@@ -39,7 +39,8 @@ struct EarthFit {
   double height_rms_m = 0.0;    // of these fixes about the path, of the fit, no score
   double edge_sigma_m = 0.0;    // horizontal, where the map is known least: one sigma per axis
   double heading_sigma_rad = 0.0;
-  // About the path's own directions, where its fixes tell anything of it.
+  // Of the path's own directions, where its fixes tell anything of it: positive where fixes rise
+  // more than the path, ahead and to the left of the way from its first fix to its last.
   std::optional<TiltCheck> along_path, across_path;
   std::vector<std::string> weaknesses;  // sentences
 };

@@ -36,14 +36,17 @@ void CheckTilt(HeightFit& fit) {
     scatter += arm * arm.transpose() / count;
   }
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(scatter);
+  Eigen::Vector2d along = axes.eigenvectors().col(1);
+  if (along.dot(fit.used.back().x_in_world - fit.used.front().x_in_world) < 0.0) along = -along;
+  const Eigen::Vector2d to_left(-along.y(), along.x());
   fit.length_m = 4.0 * std::sqrt(std::max(0.0, axes.eigenvalues()(1)));
   fit.width_m = 4.0 * std::sqrt(std::max(0.0, axes.eigenvalues()(0)));
   if (fit.used.size() < 4) return;
   Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
   Eigen::Vector3d right_side = Eigen::Vector3d::Zero();
   const auto regressor = [&](const HeightPair& pair) -> Eigen::Vector3d {
-    const Eigen::Vector2d arm = axes.eigenvectors().transpose() * (pair.x_in_world - middle);
-    return Eigen::Vector3d(arm.y(), arm.x(), 1.0) / pair.sigma_m;
+    const Eigen::Vector2d arm = pair.x_in_world - middle;
+    return Eigen::Vector3d(arm.dot(along), arm.dot(to_left), 1.0) / pair.sigma_m;
   };
   for (const HeightPair& pair : fit.used) {
     information += regressor(pair) * regressor(pair).transpose();

@@ -160,6 +160,23 @@ TEST(EarthFit, JsonStatesTransformsThatAgreeWithTheFrame) {
   EXPECT_LT(json["sigma"]["height_m"], 0.01);
 }
 
+// Uphill is uphill the way that was driven, and the left side is the left of it.
+TEST(HeightFit, TellsTiltsAlongTheWayDrivenAndToItsLeft) {
+  constexpr double kAlong = 0.01, kToLeft = 0.02;
+  for (const double heading : {0.3, 2.0, 3.4, 5.0}) {
+    const Eigen::Rotation2Dd turn(heading);
+    std::vector<HeightPair> pairs;
+    for (int i = 0; i < 40; ++i) {
+      const Eigen::Vector2d driven(0.5 * i, std::sin(0.3 * i));  // ahead, to the left
+      pairs.push_back({turn * driven, kAlong * driven.x() + kToLeft * driven.y(), 0.001});
+    }
+    const HeightFit fit = FitHeight(pairs);
+    ASSERT_TRUE(fit.along && fit.across);
+    EXPECT_NEAR(fit.along->angle_rad, kAlong, 0.001) << heading;
+    EXPECT_NEAR(fit.across->angle_rad, kToLeft, 0.001) << heading;
+  }
+}
+
 TEST(HeightFit, LeavesOutWhatIsFarOff) {
   SeededRandom random;
   std::vector<HeightPair> pairs;
