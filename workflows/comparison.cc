@@ -115,6 +115,8 @@ Json Coverage(const Json& summary) {
 }
 
 void PutCost(const Json& summary, Json& row) {
+  for (const char* name : {"seconds", "seconds_per_pair", "peak_rss_mb"}) row[name] = nullptr;
+  if (!summary.contains("stages")) return;
   double seconds = 0.0, peak_mb = 0.0;
   for (const Json& stage : summary.at("stages")) {
     seconds += stage.at("seconds").get<double>();
@@ -125,6 +127,17 @@ void PutCost(const Json& summary, Json& row) {
   row["seconds_per_pair"] =
       paired.is_number() && paired > 0 ? Json(seconds / paired.get<double>()) : Json(nullptr);
   row["peak_rss_mb"] = peak_mb;
+}
+
+// All columns that a run tells; null where it does not.
+void PutFindings(const Json& summary, const Json& evaluation, Json& row) {
+  row["verdict"] = At(summary, "/verdict/text");
+  row["frames"] = At(summary, "/frames/paired");
+  row["coverage_pct"] = Coverage(summary);
+  row["scale_95_pct"] = At(summary, "/verdict/scale_95_pct");
+  row["position_95_m"] = At(summary, "/verdict/position_95_m");
+  PutCost(summary, row);
+  PutEvaluation(evaluation, row);
 }
 
 int ExitCodeOf(const std::string& status) {
@@ -183,15 +196,9 @@ ComparisonRow MakeRow(const RunName& name, const std::filesystem::path& out) {
     row["exit"] = ExitCodeOf(status);
     row["status"] = status;
     row["reason"] = summary.at("reason");
-    row["verdict"] = At(summary, "/verdict/text");
-    row["frames"] = At(summary, "/frames/paired");
-    row["coverage_pct"] = Coverage(summary);
-    row["scale_95_pct"] = At(summary, "/verdict/scale_95_pct");
-    row["position_95_m"] = At(summary, "/verdict/position_95_m");
-    PutCost(summary, row);
     const auto evaluation = out / "evaluation.json";
-    PutEvaluation(std::filesystem::exists(evaluation) ? ParseFile(evaluation) : Json::object(),
-                  row);
+    PutFindings(summary,
+                std::filesystem::exists(evaluation) ? ParseFile(evaluation) : Json::object(), row);
   } catch (const nlohmann::json::exception&) {
     throw DataError(
         fmt::format("{}: expected the summary of a run, found something else", path.string()));
@@ -204,6 +211,7 @@ ComparisonRow MakeFailedRow(const RunName& name, int exit_code, const std::strin
   row["exit"] = exit_code;
   row["status"] = "failed";
   row["reason"] = reason;
+  PutFindings(Json::object(), Json::object(), row);
   return row;
 }
 

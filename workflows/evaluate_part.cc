@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "core/error.h"
@@ -29,9 +30,10 @@ void RequireMatch(const nlohmann::ordered_json& metrics, const std::filesystem::
                     truth.string(), metrics["inside"].get<int>(), metrics["frames"].get<int>()));
   }
   if (metrics["frames"] < kMinMatches && coverage > 0.0) return;
+  const double matched = std::round(coverage * metrics.value("gt_frames", 0.0));
   throw DataError(fmt::format(
-      "{}: expected poses within {} s of the {} of the result, found such for {:.0f} % of them",
-      truth.string(), options.max_dt_s, metrics["frames"].get<int>(), 100.0 * coverage));
+      "{}: expected {} poses or more within {} s of the {} of the result, found {:.0f} such",
+      truth.string(), kMinMatches, options.max_dt_s, metrics["frames"].get<int>(), matched));
 }
 
 bool IsJoined(const std::filesystem::path& out) {

@@ -1,6 +1,8 @@
 // The command line: rigmap part, run, plan, join, evaluate, calibrate, compare, report, options,
 // stages.
 #include <fmt/format.h>
+#include <spdlog/sinks/stdout_sinks.h>
+#include <spdlog/spdlog.h>
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
@@ -183,6 +185,14 @@ int Main(int argc, char** argv) {
     }
     throw UsageError(fmt::format("{} (--help lists what there is)", error.what()));
   }
+  for (const CLI::App* subcommand : app.get_subcommands()) {
+    for (const CLI::Option* option : subcommand->get_options()) {
+      for (const std::string& value : option->results()) {
+        if (!value.empty()) continue;
+        throw UsageError(fmt::format("{}: expected a value, found ''", option->get_name()));
+      }
+    }
+  }
   std::string command;
   for (int i = 0; i < argc; ++i) command += fmt::format("{}{}", i ? " " : "", argv[i]);
   if (small.Run()) return 0;
@@ -221,6 +231,9 @@ void SayLast(std::string sentence) {
 
 int main(int argc, char** argv) {
   rigmap::KeepFreedMemory();
+  // Until a job has a log of its own: standard output is for what was asked for.
+  spdlog::set_default_logger(spdlog::stderr_logger_mt("rigmap"));
+  spdlog::set_pattern("%v");
   std::signal(SIGINT, rigmap::SayHowToGoOn);
   try {
     return rigmap::Main(argc, argv);

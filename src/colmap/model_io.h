@@ -20,7 +20,7 @@ namespace rigmap {
 // Everything in the order of the files. Throws DataError naming the file when it is missing,
 // truncated, longer than it says, holds numbers that are not finite or names cameras, images or
 // keypoints that do not exist, for cameras and images numbered otherwise than a rig's, and for
-// camera models other than PINHOLE and OPENCV.
+// camera models other than PINHOLE, OPENCV and FULL_OPENCV.
 SparseModel ReadModel(const std::filesystem::path& folder);
 
 // Creates the folder; each file is replaced as a whole, other files stay. Reading COLMAP's own

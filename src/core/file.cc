@@ -6,6 +6,7 @@
 #include <cstring>
 #include <fstream>
 #include <sstream>
+#include <string_view>
 
 #include "core/error.h"
 
@@ -61,7 +62,10 @@ std::string ReadTextFile(const std::filesystem::path& path) {
   if (!stream) {
     throw DataError(fmt::format("{}: cannot read: {}", path.string(), std::strerror(errno)));
   }
-  return text.str();
+  constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
+  std::string content = text.str();
+  if (content.starts_with(kByteOrderMark)) content.erase(0, kByteOrderMark.size());
+  return content;
 }
 
 void WriteFileAtomically(const std::filesystem::path& path,

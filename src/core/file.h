@@ -8,7 +8,8 @@
 
 namespace rigmap {
 
-// Throws DataError naming the path when it cannot be read.
+// Without the mark of UTF-8 that some editors put before a text. Throws DataError naming the path
+// when it cannot be read.
 std::string ReadTextFile(const std::filesystem::path& path);
 
 // Calls `write` on a stream to a temporary file beside `path`, then renames it into place. On any

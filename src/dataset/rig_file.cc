@@ -83,12 +83,34 @@ int ReadSize(const YamlNode& node) {
   return size;
 }
 
-double ReadFocal(const YamlNode& node) {
+// Fisheyes have a fifth of the width, telescopes some tens; millimetres and shares of the width are
+// hundreds of times off.
+double ReadFocal(const YamlNode& node, int width) {
+  constexpr double kShortest = 0.1, kLongest = 100.0;
   const double focal = node.AsDouble();
   if (!(focal > 0.0)) {
     throw Complaint(node, fmt::format("expected a positive focal length, found {}", focal));
   }
+  if (focal < kShortest * width || focal > kLongest * width) {
+    throw Complaint(node, fmt::format("expected a focal length in pixels, of {:g} to {:g} for "
+                                      "images {} pixels wide, found {}",
+                                      kShortest * width, kLongest * width, width, focal));
+  }
   return focal;
+}
+
+// Half-way to its corners at least, an image must have rays; calibrations run wild beyond.
+void RequireRays(const YamlNode& eye, const Camera& camera) {
+  const Eigen::Vector2d middle(camera.cx, camera.cy);
+  for (const double x : {0.0, camera.width - 1.0}) {
+    for (const double y : {0.0, camera.height - 1.0}) {
+      if (Undistort(camera, 0.5 * (middle + Eigen::Vector2d(x, y)))) continue;
+      throw Complaint(eye.At("distortion"),
+                      fmt::format("expected a distortion that at least the middle of the image can "
+                                  "be freed from, found k1 = {:g}, k2 = {:g}, k3 = {:g}",
+                                  camera.k1, camera.k2, camera.k3));
+    }
+  }
 }
 
 void ReadDistortion(const YamlNode& eye, Camera& camera) {
@@ -117,8 +139,8 @@ Camera ReadCamera(const YamlNode& eye) {
   ReadDistortion(eye, camera);
   camera.width = ReadSize(eye.At("width"));
   camera.height = ReadSize(eye.At("height"));
-  camera.fx = ReadFocal(eye.At("fx"));
-  camera.fy = ReadFocal(eye.At("fy"));
+  camera.fx = ReadFocal(eye.At("fx"), camera.width);
+  camera.fy = ReadFocal(eye.At("fy"), camera.width);
   camera.cx = eye.At("cx").AsDouble();
   camera.cy = eye.At("cy").AsDouble();
   if (!camera.Contains({camera.cx, camera.cy})) {
@@ -127,6 +149,7 @@ Camera ReadCamera(const YamlNode& eye) {
                                 "found ({}, {})",
                                 camera.width, camera.height, camera.cx, camera.cy));
   }
+  if (!camera.IsPinhole()) RequireRays(eye, camera);
   return camera;
 }
 

@@ -32,6 +32,16 @@ TEST(FileTest, WriteAndReadAreInverse) {
   EXPECT_EQ(CountEntries(path.parent_path()), 1);
 }
 
+TEST(FileTest, AByteOrderMarkIsNoText) {
+  const TemporaryFolder folder;
+  EXPECT_EQ(ReadTextFile(folder.Write("marked.txt",
+                                      "\xEF\xBB\xBF"
+                                      "0.5 1\n")),
+            "0.5 1\n");
+  EXPECT_EQ(ReadTextFile(folder.Write("mark.txt", "\xEF\xBB\xBF")), "");
+  EXPECT_EQ(ReadTextFile(folder.Write("other.txt", "1 \xEF\xBB\xBF")), "1 \xEF\xBB\xBF");
+}
+
 TEST(FileTest, ThrowingWriterLeavesTheOldFileAndNothingElse) {
   const TemporaryFolder folder;
   const auto path = folder.Write("file.txt", "old");

@@ -246,6 +246,13 @@ TEST_F(RigFileTest, CameraMustMakeSense) {
   EXPECT_THAT(Complaint("  fx: 30.5", "  fx: -30.5"),
               HasSubstr("rig.yaml:5: expected a positive focal length, found -30.5"));
   EXPECT_THAT(Complaint("  fy: 30.25", "  fy: 0"), HasSubstr("rig.yaml:6: "));
+  // Millimetres, shares of the width, micrometres.
+  for (const char* focal : {"  fx: 2.8", "  fx: 0.95", "  fx: 8000"}) {
+    EXPECT_THAT(
+        Complaint("  fx: 30.5", focal),
+        HasSubstr("rig.yaml:5: expected a focal length in pixels, of 3.2 to 3200 for images "
+                  "32 pixels wide, found "));
+  }
   EXPECT_THAT(Complaint("  fx: 30.5", "  fx: .nan"), HasSubstr("expected a finite number"));
   EXPECT_THAT(Complaint("  cx: 15.5", "  cx: 32"),
               HasSubstr("expected the principal point inside the image of 32 x 24 pixels"));
@@ -253,6 +260,16 @@ TEST_F(RigFileTest, CameraMustMakeSense) {
   EXPECT_THAT(
       Complaint("  width: 32\n  height: 24\n  fx: 30.5", "  width: 0\n  height: 24\n  fx: 1"),
       HasSubstr("rig.yaml:3: expected a positive size, found 0"));
+}
+
+TEST_F(RigFileTest, DistortionMustLeaveTheMiddleOfTheImage) {
+  const std::string text = SampleRigText();
+  const auto start = text.find("distortion: [");
+  const std::string distortion = text.substr(start, text.find(']', start) + 1 - start);
+  EXPECT_THAT(Complaint(distortion, "distortion: [-30, 0, 0, 0]"),
+              HasSubstr("expected a distortion that at least the middle of the image can be freed "
+                        "from, found k1 = -30, k2 = 0"));
+  EXPECT_NO_THROW(Read(Replaced(text, distortion, "distortion: [-0.4, 0.2, 0.001, -0.001]")));
 }
 
 TEST_F(RigFileTest, RotationMustBeOne) {

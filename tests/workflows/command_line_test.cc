@@ -70,10 +70,15 @@ TEST_F(CommandLine, WrongUsageEndsWithTwo) {
   EXPECT_THAT(Fails(2, {"part", "--dataset", SimulatedPartFolder()}), HasSubstr("--out"));
   EXPECT_THAT(Fails(2, {"evaluate"}), HasSubstr("out"));
   EXPECT_THAT(PartFails(2, {"--voxel", "3"}), HasSubstr("--voxel"));
+  EXPECT_THAT(PartFails(2, {"--rig", ""}), HasSubstr("--rig: expected a value, found ''"));
+  EXPECT_THAT(Fails(2, {"part", "--dataset", SimulatedPartFolder(), "--out", ""}),
+              HasSubstr("--out: expected a value, found ''"));
   EXPECT_THAT(PartFails(2, {"--threads", "many"}), HasSubstr("--threads"));
   EXPECT_THAT(PartFails(2, {"--threads", "0"}), HasSubstr("--threads"));
   EXPECT_THAT(PartFails(2, {"--memory", "1"}), HasSubstr("--memory"));
   EXPECT_THAT(PartFails(2, {"--accuracy", "0"}), HasSubstr("accuracy_pct"));
+  EXPECT_THAT(PartFails(2, {"--accuracy", "inf"}),
+              HasSubstr("--accuracy: expected a finite number, found inf"));
   EXPECT_THAT(PartFails(2, {"--format", "kitti"}), HasSubstr("--format"));
   EXPECT_FALSE(fs::exists(out_));
 }

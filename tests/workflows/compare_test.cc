@@ -40,6 +40,7 @@ class CompareTest : public testing::Test {
 TEST_F(CompareTest, SetsTechniquesAndSettingsSideBySideAndGoesOnFromWhatIsThere) {
   const ProgramEnd vo = Compare({"--techniques", "vo"});
   ASSERT_EQ(vo.exit_code, 0) << vo.err;
+  EXPECT_THAT(vo.out, testing::StartsWith("part"));
   ASSERT_EQ(Rows().size(), 1U);
   const double seconds = Rows()[0]["seconds"];
   EXPECT_LT(Rows()[0]["ate_se3_pct"], 1.0);

@@ -89,6 +89,11 @@ TEST_F(Comparison, MediansCountRunsThatFailedAndLeaveTheirNumbersOut) {
   }
   rows.push_back(MakeFailedRow({"beach", "sfm", "", 3}, 1, "COLMAP made no model"));
   rows.push_back(MakeFailedRow({"beach", "wheels", "", 0}, 1, "no odometry.txt"));
+  for (const auto& [name, value] : rows.front().items()) {
+    ASSERT_TRUE(rows.back().contains(name)) << name;
+  }
+  EXPECT_TRUE(rows.back()["verdict"].is_null());
+  EXPECT_TRUE(rows.back()["seconds"].is_null());
   const auto comparison = WriteComparison(rows);
   EXPECT_EQ(comparison["rows"].size(), 5U);
   ASSERT_EQ(comparison["medians"].size(), 2U);

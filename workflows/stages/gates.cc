@@ -53,11 +53,14 @@ Report ReportPart(const GateInputs& inputs, const GateOptions& options) {
       text += fmt::format("{} of {} steps are by wheels and gyro, since no image shows them; ",
                           findings.bridged.size(), findings.frames - 1);
     }
-  } else if (accuracy.position_95_m) {
-    text = fmt::format(
-        "the way is shorter than the baseline, so that no length is judged; positions good to {} "
-        "(95 %); ",
-        LengthText(*accuracy.position_95_m));
+  } else {
+    if (accuracy.position_95_m) {
+      text = fmt::format(
+          "the way is shorter than the baseline, so that no length is judged; positions good to {} "
+          "(95 %); ",
+          LengthText(*accuracy.position_95_m));
+    }
+    text += "nothing checks the metres of depths and map, which are the rig file's; ";
   }
   report["verdict"]["text"] = text + AboutRig(inputs);
   report["depth_consistency"] = ReportDepthConsistency(inputs.depth_consistency);
