@@ -25,8 +25,10 @@ namespace fs = std::filesystem;
 void WriteOutcome(const fs::path& root, const FolderRun& run, Ledger ledger,
                   const std::string& failure) {
   MarkOutputs(root, ledger);
-  RecordSizes(root, ledger);
-  WriteLedger(ledger, root);
+  if (!ledger.stages.empty()) {
+    RecordSizes(root, ledger);
+    WriteLedger(ledger, root);
+  }
   WriteFileAtomically(root / "summary.json", [&](std::ostream& stream) {
     stream << WriteSummary(ledger, run.name, run.request, failure);
   });
