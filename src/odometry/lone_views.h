@@ -23,9 +23,9 @@ using LoneViewSource = std::function<std::vector<LoneView>(StampNs after, StampN
 // Where the odometry lost its way (LostFrames) two stereo frames may both show ground that a lone
 // image between them shows: each is posed against it by its own stereo points, and so the later one
 // against the earlier, with the covariances of both. The lost frame so posed hangs on the earlier
-// one, and later frames follow; guesses in between are moved onto the way between both. A frame of the odometry
-// of which one image is there is posed by it, as a lost frame at the end of a part is that has
-// such. Asks for the views of stretches that are lost only. Everything else stays.
+// one, and later frames follow; guesses in between are moved onto the way between both. A frame of
+// the odometry of which one image is there is posed by it, as a lost frame at the end of a part is
+// that has such. Asks for the views of stretches that are lost only. Everything else stays.
 Odometry BridgeByLoneViews(Odometry odometry, const FeatureSource& features,
                            const LoneViewSource& views, const StereoRig& rig,
                            const OdometryOptions& options);

@@ -201,7 +201,7 @@ class FixFuser {
   const Trajectory& poses_;
   const std::vector<AntennaFix>& fixes_;
   const FixFusion& fusion_;
-  std::vector<StepNoise> noise_;  // of the step to each pose
+  std::vector<StepNoise> noise_;               // of the step to each pose
   std::vector<std::optional<Between>> spans_;  // of each fix among the poses
   std::vector<char> used_;
   std::vector<MotionBlock> blocks_;

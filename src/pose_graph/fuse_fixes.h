@@ -29,7 +29,8 @@ struct FixFusion {
 };
 
 struct FusedFixes {
-  std::vector<Rigid3> world_from_left;  // in the world of the poses given: the first measured is as it was
+  std::vector<Rigid3>
+      world_from_left;  // in the world of the poses given: the first measured is as it was
   Rigid3 enu_from_world;
   double scale = 1.0;           // by which the path was lengthened
   double clock_offset_s = 0.0;  // beside what is in the fixes' times: of a fix minus the poses'
@@ -45,11 +46,11 @@ struct FusedFixes {
 // Steps keep the motion of the poses given. How far each may be off follows from what the poses
 // say of themselves: a random walk of headings and positions that grows to the sigmas of the least
 // known one that was measured, and the scale in common; those predicted are as loose as they say,
-// and no fix lies beside them. Heading, inclination, origin and scale are solved with all poses; the
-// first measured pose is held in its world, which only fixes tie to the Earth. Fixes pull under Cauchy's loss
-// first; those further off than four sigmas are then left out (Ceres, one thread: equal input gives
-// equal output). `poses` has two or more. Nothing where fewer than four fixes lie between measured
-// poses or fewer than two thirds of them are believed.
+// and no fix lies beside them. Heading, inclination, origin and scale are solved with all poses;
+// the first measured pose is held in its world, which only fixes tie to the Earth. Fixes pull under
+// Cauchy's loss first; those further off than four sigmas are then left out (Ceres, one thread:
+// equal input gives equal output). `poses` has two or more. Nothing where fewer than four fixes lie
+// between measured poses or fewer than two thirds of them are believed.
 std::optional<FusedFixes> FuseFixes(const Trajectory& poses, const std::vector<AntennaFix>& fixes,
                                     const FixFusion& fusion);
 

@@ -129,7 +129,8 @@ TEST_F(LoneViewsTest, AGuessInBetweenIsMovedOntoTheWay) {
 // Of ground ten times as far away the disparity tells no metres, whatever it was measured to.
 TEST_F(LoneViewsTest, FarGroundTellsNoMetres) {
   Make();
-  const double near_m2 = Bridge({View(Eye::kLeft)})[1].step_covariance.topLeftCorner<3, 3>().trace();
+  const double near_m2 =
+      Bridge({View(Eye::kLeft)})[1].step_covariance.topLeftCorner<3, 3>().trace();
   options_.disparity_noise_px *= 100.0;  // no depth is known to a tenth
   const Odometry bridged = Bridge({View(Eye::kLeft)});
   ASSERT_EQ(bridged[1].source, PoseSource::kOdometry);

@@ -14,8 +14,8 @@ struct StepNoise {
 };
 
 // Of the step to each pose: a random walk that grows to the sigmas of the least known measured
-// pose. `scale_sigma` of the length is common to all steps and no part of it. A guess is known by as
-// much less as it says than what was measured before it.
+// pose. `scale_sigma` of the length is common to all steps and no part of it. A guess is known by
+// as much less as it says than what was measured before it.
 std::vector<StepNoise> NoisePerStep(const Trajectory& poses, double scale_sigma);
 
 }  // namespace rigmap
