@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <charconv>
-#include <cmath>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <thread>
@@ -116,10 +115,6 @@ PartRequest MakeRequestWithoutStages(const PartArguments& a, std::string command
   request.out = a.out;
   request.options = LoadPartOptions(IfGiven<fs::path>(a.config), a.assignments);
   if (a.accuracy_pct) {
-    if (!std::isfinite(*a.accuracy_pct)) {
-      throw UsageError(
-          fmt::format("--accuracy: expected a finite number, found {}", *a.accuracy_pct));
-    }
     request.options.gates.poses.accuracy_pct = *a.accuracy_pct;
     RequireValid(request.options.gates);
   }

@@ -29,7 +29,8 @@ OptionRange OptionRange::Odd() const {
 bool OptionRange::Holds(double value) const {
   const bool high_enough = lowest_excluded ? value > lowest : value >= lowest;
   const bool low_enough = highest_excluded ? value < highest : value <= highest;
-  return high_enough && low_enough && (!only_odd || std::abs(std::fmod(value, 2.0)) == 1.0);
+  return std::isfinite(value) && high_enough && low_enough &&
+         (!only_odd || std::abs(std::fmod(value, 2.0)) == 1.0);
 }
 
 std::string OptionRange::Text() const {

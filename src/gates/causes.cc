@@ -211,11 +211,10 @@ Cause MotionsDiffer(const Failed& failed) {
 Cause SensorsContradict(const Failed& failed) {
   const Gate& gate = *failed.Find("sensors_contradict");
   return {"images and wheels tell of different motions",
-          fmt::format("images and wheels tell of different motions: {} % of the images' steps "
-                      "contradict wheels and gyro (expected: at most {} %)",
+          fmt::format("images and wheels tell of different motions in {} % of the steps (expected: "
+                      "at most {} %)",
                       ValueText(gate, 100.0), LimitText(gate, 100.0)),
-          "compare --technique vo with wheels: units and columns of the wheels' file, their radius "
-          "and the IMU's axes in the rig file come first"};
+          "compare --technique vo with wheels; look at units and columns of the wheels' file"};
 }
 
 Cause CloudsSlide(const Failed& failed) {

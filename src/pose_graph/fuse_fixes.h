@@ -29,8 +29,7 @@ struct FixFusion {
 };
 
 struct FusedFixes {
-  std::vector<Rigid3>
-      world_from_left;  // in the world of the poses given: the first measured is as it was
+  std::vector<Rigid3> world_from_left;  // as given: the first measured is as it was
   Rigid3 enu_from_world;
   double scale = 1.0;           // by which the path was lengthened
   double clock_offset_s = 0.0;  // beside what is in the fixes' times: of a fix minus the poses'

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
+
 namespace rigmap {
 namespace {
 
@@ -20,6 +22,14 @@ TEST(OptionRange, HoldsItsEndsUnlessTheyAreExcluded) {
 
 TEST(OptionRange, WithoutLimitsHoldsAll) {
   for (const double value : {-1e300, 0.0, 1e300}) EXPECT_TRUE(OptionRange().Holds(value)) << value;
+}
+
+TEST(OptionRange, HoldsNoNumberWithoutEnd) {
+  const double infinity = std::numeric_limits<double>::infinity();
+  for (const double value : {infinity, -infinity, std::numeric_limits<double>::quiet_NaN()}) {
+    EXPECT_FALSE(OptionRange().Holds(value)) << value;
+    EXPECT_FALSE(MoreThan(0.0).Holds(value)) << value;
+  }
 }
 
 TEST(OptionRange, OddMeansOdd) {

@@ -78,7 +78,7 @@ TEST_F(CommandLine, WrongUsageEndsWithTwo) {
   EXPECT_THAT(PartFails(2, {"--memory", "1"}), HasSubstr("--memory"));
   EXPECT_THAT(PartFails(2, {"--accuracy", "0"}), HasSubstr("accuracy_pct"));
   EXPECT_THAT(PartFails(2, {"--accuracy", "inf"}),
-              HasSubstr("--accuracy: expected a finite number, found inf"));
+              AllOf(HasSubstr("accuracy_pct"), HasSubstr("found inf")));
   EXPECT_THAT(PartFails(2, {"--format", "kitti"}), HasSubstr("--format"));
   EXPECT_FALSE(fs::exists(out_));
 }

@@ -7,7 +7,6 @@
 #include "evaluation/map_over_truth.h"
 #include "evaluation/prism_metrics.h"
 #include "georeference/local_frame.h"
-#include "georeference/utm.h"
 
 namespace rigmap {
 namespace {
