@@ -2,13 +2,11 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <span>
 
 namespace rigmap {
 
 // value = plane . (x, y, 1): slope along x, slope along y, value at the origin. Errors are taken
-// along the value only, so the plane must not be steep in it; for planes in any direction see
-// PlaneNormal. Cost of Add: a few nanoseconds.
+// along the value only, so the plane must not be steep in it. Cost of Add: a few nanoseconds.
 class PlaneFit {
  public:
   // `prior_information`: of each coefficient about zero, in units of full weights; without any,
@@ -29,9 +27,5 @@ class PlaneFit {
   Eigen::Matrix3d normal_matrix_;
   Eigen::Vector3d right_side_ = Eigen::Vector3d::Zero();
 };
-
-// Unit normal, of either sign, of the plane with the least sum of squared distances from the
-// points. Three or more that are not on one line; otherwise any normal that fits.
-Eigen::Vector3d PlaneNormal(std::span<const Eigen::Vector3d> points);
 
 }  // namespace rigmap

@@ -10,7 +10,8 @@ namespace {
 
 // Enough to average out the noise of depths, few enough to stay on one side of a pebble.
 constexpr std::size_t kPlanePoints = 16;
-// Cosine between line of sight and normal under which a plane counts as seen edge-on.
+// Cosine between line of sight and normal under which a plane counts as seen edge-on: of ground
+// that is not quite flat crests are seen there, one behind the other, and no plane.
 constexpr double kEdgeOn = 0.1;
 
 std::vector<Eigen::Vector3d> NearestPoints(const std::vector<Feature>& features,
@@ -39,8 +40,15 @@ std::optional<GroundPatch> GroundAround(const std::vector<Feature>& features,
                                         int index, int frame) {
   const std::vector<Eigen::Vector3d> nearest = NearestPoints(features, points, index);
   if (nearest.size() < kPlanePoints / 2) return std::nullopt;
-  return GroundPatch{frame, features[index].left.array().round(), points[index]->x_in_left,
-                     PlaneNormal(nearest)};
+  // 1/z over x/z and y/z: disparities are as good near as far, so that this plane is, whereas one
+  // through points that are scattered along their rays turns towards the eye.
+  PlaneFit nearness;
+  for (const Eigen::Vector3d& x : nearest) {
+    nearness.Add(x.x() / x.z(), x.y() / x.z(), 1.0 / x.z());
+  }
+  const Eigen::Vector3d normal = nearness.Solve().normalized();
+  if (!normal.allFinite()) return std::nullopt;
+  return GroundPatch{frame, features[index].left.array().round(), points[index]->x_in_left, normal};
 }
 
 std::optional<PatchWarp> GroundWarp(const GroundPatch& patch, const Rigid3& b_from_a,

@@ -2,10 +2,8 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Geometry>
 #include <vector>
 
-#include "geometry/rigid3.h"
 #include "tests/support/seeded_random.h"
 
 namespace rigmap {
@@ -61,47 +59,6 @@ TEST(PlaneFit, PriorHoldsWhatThePositionsDoNotTell) {
   }
   EXPECT_LT((held.Solve() - Eigen::Vector3d(0.0, 0.0, 2.0)).norm(), 1e-12);
   EXPECT_FALSE(loose.Solve().allFinite());
-}
-
-std::vector<Eigen::Vector3d> NoisyPlane(SeededRandom& random) {
-  std::vector<Eigen::Vector3d> points;
-  for (int i = 0; i < 40; ++i) {
-    points.emplace_back(random.Uniform(-2.0, 2.0), random.Uniform(-2.0, 2.0),
-                        random.Uniform(-0.05, 0.05));
-  }
-  return points;
-}
-
-// It turns with the points and stays where they are moved; a steep plane is like any other.
-TEST(PlaneNormal, TurnsWithItsPoints) {
-  SeededRandom random;
-  const std::vector<Eigen::Vector3d> points = NoisyPlane(random);
-  const Eigen::Vector3d normal = PlaneNormal(points);
-  EXPECT_NEAR(normal.norm(), 1.0, 1e-12);
-  EXPECT_GT(std::abs(normal.z()), 0.99);
-  for (int i = 0; i < 10; ++i) {
-    const Rigid3 motion{ExpRotation(random.Vector(2.0)), random.Vector(10.0)};
-    std::vector<Eigen::Vector3d> moved;
-    for (const auto& x : points) moved.push_back(motion * x);
-    EXPECT_NEAR(std::abs(PlaneNormal(moved).dot(motion.rotation * normal)), 1.0, 1e-10);
-  }
-}
-
-TEST(PlaneNormal, LeavesTheLeastDistances) {
-  SeededRandom random;
-  const std::vector<Eigen::Vector3d> points = NoisyPlane(random);
-  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
-  for (const auto& x : points) mean += x / 40.0;
-  const auto sum_of_squares = [&](const Eigen::Vector3d& normal) {
-    double sum = 0.0;
-    for (const auto& x : points) sum += std::pow(normal.dot(x - mean), 2);
-    return sum;
-  };
-  const Eigen::Vector3d normal = PlaneNormal(points);
-  for (int i = 0; i < 20; ++i) {
-    const Eigen::Vector3d other = ExpRotation(random.Vector(0.02)) * normal;
-    EXPECT_LE(sum_of_squares(normal), sum_of_squares(other));
-  }
 }
 
 }  // namespace

@@ -112,6 +112,35 @@ TEST(GroundWarp, IsHowNeighbouringPointsMove) {
   EXPECT_GT(checked, 10);
 }
 
+// Level ground, 9 m away and 1 m below, whose disparities are off by 0.15 px: least distances would
+// turn it by 0.7 degrees towards the eye.
+TEST(GroundWarp, FarGroundStaysLevel) {
+  SeededRandom random;
+  const StereoRig rig = LocCamRig();
+  const double disparity_m = rig.left.camera.MeanFocal() * rig.Baseline();
+  constexpr double kFar_m = 9.0, kDown_m = 1.0, kNoise_px = 0.15;
+  const double row = kDown_m / kFar_m;
+  double turned_rad = 0.0;
+  constexpr int kTrials = 400;
+  for (int trial = 0; trial < kTrials; ++trial) {
+    std::vector<Feature> features;
+    std::vector<std::optional<StereoPoint>> points;
+    for (int i = 0; i < 20; ++i) {
+      const Eigen::Vector2d spot(random.Uniform(-0.008, 0.008),
+                                 row + random.Uniform(-0.008, 0.008));
+      const double nearness =
+          spot.y() / kDown_m + random.Uniform(-1.7, 1.7) * kNoise_px / disparity_m;
+      features.push_back({.left = *Project(rig.left.camera, spot.homogeneous())});
+      points.push_back(StereoPoint{spot.homogeneous() / nearness, 0.1});
+    }
+    const auto ground = GroundAround(features, points, 0, 0);
+    ASSERT_TRUE(ground);
+    const Eigen::Vector3d normal = ground->normal.y() > 0.0 ? ground->normal : -ground->normal;
+    turned_rad += std::atan2(normal.z(), normal.y()) / kTrials;
+  }
+  EXPECT_LT(std::abs(turned_rad), 0.2 * std::numbers::pi / 180.0);
+}
+
 TEST(GroundWarp, BendsAsPlaneAndLensDo) {
   SeededRandom random;
   const Camera camera = LocCamRig().left.camera;
