@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 
+#include "correspondence/internal/cubic_sample.h"
 #include "correspondence/internal/window_samples.h"
 
 namespace rigmap {
@@ -100,48 +101,6 @@ bool FillTemplate(const GreyView& source, const Eigen::Vector2i& centre, int rad
   return true;
 }
 
-// Weights of the four pixels around a place `share` beyond the second (Keys 1981, a = -1/2).
-Four CubicWeights(float share) {
-  const Four t = cv::v_setall_f32(share);
-  Four weights(-0.5F, 1.5F, -1.5F, 0.5F);
-  weights = weights * t + Four(1.0F, -2.5F, 2.0F, -0.5F);
-  weights = weights * t + Four(-0.5F, 0.0F, 0.5F, 0.0F);
-  return weights * t + Four(0.0F, 1.0F, 0.0F, 0.0F);
-}
-
-Four FourPixels(const std::uint8_t* pixels) {
-  return cv::v_cvt_f32(cv::v_reinterpret_as_s32(cv::v_load_expand_q(pixels)));
-}
-
-float Cubic(const GreyView& image, const Eigen::Vector2d& x) {
-  const int column = static_cast<int>(x.x()), row = static_cast<int>(x.y());
-  const Four across = CubicWeights(static_cast<float>(x.x() - column));
-  const Four down = CubicWeights(static_cast<float>(x.y() - row));
-  const auto weighted = [&](const std::uint8_t* a, const std::uint8_t* b, const std::uint8_t* c,
-                            const std::uint8_t* d) {
-    Four sum = cv::v_broadcast_element<0>(down) * FourPixels(a);
-    sum += cv::v_broadcast_element<1>(down) * FourPixels(b);
-    sum += cv::v_broadcast_element<2>(down) * FourPixels(c);
-    sum += cv::v_broadcast_element<3>(down) * FourPixels(d);
-    return cv::v_reduce_sum(across * sum);
-  };
-  if (column > 0 && row > 0 && column + 2 < image.width && row + 2 < image.height) {
-    const std::uint8_t* pixels = image.data + (row - 1) * image.stride + column - 1;
-    return weighted(pixels, pixels + image.stride, pixels + 2 * image.stride,
-                    pixels + 3 * image.stride);
-  }
-  // Beyond the border the nearest pixel is repeated.
-  std::array<std::array<std::uint8_t, kLanes>, kLanes> pixels{};
-  for (int i = 0; i < kLanes; ++i) {
-    const std::uint8_t* line =
-        image.data + std::clamp(row + i - 1, 0, image.height - 1) * image.stride;
-    for (int j = 0; j < kLanes; ++j) {
-      pixels[i][j] = line[std::clamp(column + j - 1, 0, image.width - 1)];
-    }
-  }
-  return weighted(pixels[0].data(), pixels[1].data(), pixels[2].data(), pixels[3].data());
-}
-
 // Where in the target the samples are looked for, but for the warp that is searched.
 using Offsets = std::array<Eigen::Vector2d, kMaxWindowSamples>;
 
@@ -167,18 +126,73 @@ bool Sample(const GreyView& target, int count, const Offsets& offsets, const Pat
   return true;
 }
 
+// The template as sharp as the target shows it. What a camera blurs, it blurs by the same number of
+// pixels in either view, so that a view from nearby is sharper; where a window has more texture on
+// one side, that would draw it aside.
+class SharpenedTemplate {
+ public:
+  SharpenedTemplate(const GreyView& source, const Eigen::Vector2i& centre, int radius,
+                    const Template& window)
+      : source_(source), centre_(centre), radius_(radius), window_(window), now_(&window.grey) {}
+
+  // Normalised, under that warp; nothing where that leaves it flat. It is made anew where it would
+  // change by what could be told.
+  const Samples* Under(const PatchWarp& warp) {
+    // Variance of the spot that a point makes in a sharp image, px^2 (Lowe 2004, sec. 3.3), and the
+    // change of it that draws a window of twice the texture on one side by 0.002 px.
+    constexpr double kBlur = 0.25, kTold = 0.02;
+    const Eigen::Matrix2d inverse = warp.linear.inverse();
+    const Eigen::Matrix2d lost =
+        kBlur * (Eigen::Matrix2d::Identity() - inverse * inverse.transpose());
+    if ((lost - lost_).cwiseAbs().maxCoeff() <= kTold) return now_;
+    lost_ = lost;
+    Sharpen();
+    now_ = Normalise(window_.shape, grey_, kFlatGrey / window_.deviation) ? &grey_ : nullptr;
+    return now_;
+  }
+
+ private:
+  // By half the blur that is lost times the second derivatives.
+  void Sharpen() {
+    const auto xx = static_cast<float>(0.5 * lost_(0, 0) / window_.deviation),
+               xy = static_cast<float>(0.25 * lost_(0, 1) / window_.deviation),
+               yy = static_cast<float>(0.5 * lost_(1, 1) / window_.deviation);
+    const int stride = source_.stride;
+    const std::uint8_t* middle = source_.data + centre_.y() * stride + centre_.x();
+    int i = 0;
+    for (int y = -radius_; y <= radius_; ++y) {
+      const std::uint8_t* pixel = middle + y * stride - radius_;
+      for (int x = -radius_; x <= radius_; ++x, ++pixel, ++i) {
+        const std::uint8_t *above = pixel - stride, *below = pixel + stride;
+        const int twice = 2 * pixel[0];
+        grey_[i] = window_.grey[i] - xx * static_cast<float>(pixel[1] + pixel[-1] - twice) -
+                   xy * static_cast<float>(below[1] - below[-1] - above[1] + above[-1]) -
+                   yy * static_cast<float>(*below + *above - twice);
+      }
+    }
+  }
+
+  const GreyView& source_;
+  Eigen::Vector2i centre_;
+  int radius_;
+  const Template& window_;
+  Samples grey_{};
+  const Samples* now_;
+  Eigen::Matrix2d lost_ = Eigen::Matrix2d::Zero();
+};
+
 // What the samples say of the next step.
 struct Residuals {
   Vector6 gradient;
   double square = 0.0;  // weighted sum
 };
 
-Residuals ResidualsOf(const Template& window, const Samples& grey) {
+Residuals ResidualsOf(const Template& window, const Samples& expected, const Samples& grey) {
   std::array<Four, 6> gradient;
   gradient.fill(Nought());
   Four square = Nought();
   for (int i = 0; i < window.shape.count; i += kLanes) {
-    const Four residual = At(grey, i) - At(window.grey, i);
+    const Four residual = At(grey, i) - At(expected, i);
     square += At(window.shape.weight, i) * residual * residual;
     for (int a = 0; a < 6; ++a) {
       gradient[a] += At(window.weighted_gradient[a], i) * residual;
@@ -227,6 +241,7 @@ std::optional<PatchAlignment> AlignPatch(const GreyView& source, const Eigen::Ve
   const Eigen::LDLT<Matrix6> solver(window.hessian);
   if (solver.info() != Eigen::Success || !(solver.rcond() > 1e-8)) return std::nullopt;
   const Offsets offsets = BentOffsets(window.shape, start);  // the bend is not searched
+  SharpenedTemplate sharpened(source, centre, radius, window);
   PatchAlignment result{.warp = start};
   Samples grey{};
   for (int iteration = 0; iteration < options.max_iterations; ++iteration) {
@@ -234,7 +249,9 @@ std::optional<PatchAlignment> AlignPatch(const GreyView& source, const Eigen::Ve
         !Normalise(window.shape, grey)) {
       return std::nullopt;
     }
-    const Residuals residuals = ResidualsOf(window, grey);
+    const Samples* expected = sharpened.Under(result.warp);
+    if (!expected) return std::nullopt;
+    const Residuals residuals = ResidualsOf(window, *expected, grey);
     const Vector6 step = solver.solve(residuals.gradient);
     Compose(result.warp, step);
     if (Strayed(result.warp, start, options)) return std::nullopt;

@@ -34,9 +34,9 @@ struct PatchAlignment {
 // Aligns the window around the integer pixel (centre_x, centre_y) of `source` with `target`, under
 // an affine warp and a free gain, offset and slope of brightness: inverse compositional
 // Gauss-Newton (Baker and Matthews 2004), with the mean plane taken off both windows and unit
-// variance given to the rest. Stray light and vignetting differ from view to view by just such
-// planes. Nothing where the window leaves an image, has no texture in two directions or does not
-// converge.
+// variance given to the rest, and the template made as sharp as the target shows it. Stray light
+// and vignetting differ from view to view by just such planes. Nothing where the window leaves an
+// image, has no texture in two directions or does not converge.
 std::optional<PatchAlignment> AlignPatch(const GreyView& source, const Eigen::Vector2i& centre,
                                          const GreyView& target, const PatchWarp& start,
                                          const PatchAlignmentOptions& options);

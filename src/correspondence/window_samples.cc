@@ -47,16 +47,15 @@ void TakeOffPlane(const WindowShape& shape, Samples& samples) {
   }
 }
 
-std::optional<double> Normalise(const WindowShape& shape, Samples& grey) {
+std::optional<double> Normalise(const WindowShape& shape, Samples& grey, double flat) {
   TakeOffPlane(shape, grey);
   Four square = Nought();
   for (int i = 0; i < shape.count; i += kLanes) {
     const Four value = At(grey, i);
     square += At(shape.weight, i) * value * value;
   }
-  constexpr double kFlatGrey = 1.0;  // below one grey level there is only quantisation
   const double deviation = std::sqrt(Sum(square) / shape.weight_sum);
-  if (!(deviation > kFlatGrey)) return std::nullopt;
+  if (!(deviation > flat)) return std::nullopt;
   for (int i = 0; i < shape.count; i += kLanes) {
     Set(grey, i, At(grey, i) * All(1.0 / deviation));
   }

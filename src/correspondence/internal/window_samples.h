@@ -40,8 +40,10 @@ const WindowShape& WindowShapeOf(int radius);
 // Takes the weighted mean plane off `samples`.
 void TakeOffPlane(const WindowShape& shape, Samples& samples);
 
+inline constexpr double kFlatGrey = 1.0;  // below one grey level there is only quantisation
+
 // Takes the mean plane off grey values and gives the rest unit variance; the standard deviation
-// found, or nothing for a flat window.
-std::optional<double> Normalise(const WindowShape& shape, Samples& grey);
+// found, or nothing for a window that is flatter than `flat`.
+std::optional<double> Normalise(const WindowShape& shape, Samples& grey, double flat = kFlatGrey);
 
 }  // namespace rigmap
