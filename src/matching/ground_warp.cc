@@ -10,8 +10,8 @@ namespace {
 
 // Enough to average out the noise of depths, few enough to stay on one side of a pebble.
 constexpr std::size_t kPlanePoints = 16;
-// Cosine between line of sight and normal under which a plane counts as seen edge-on: of ground
-// that is not quite flat crests are seen there, one behind the other, and no plane.
+// Cosine between line of sight and normal under which a plane counts as seen edge-on: ground that
+// is not quite flat need not look like a plane there.
 constexpr double kEdgeOn = 0.1;
 
 std::vector<Eigen::Vector3d> NearestPoints(const std::vector<Feature>& features,
