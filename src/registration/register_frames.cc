@@ -9,6 +9,7 @@
 #include <deque>
 
 #include "geometry/adjoint.h"
+#include "registration/internal/chained_way.h"
 #include "registration/internal/cloud_alignment.h"
 
 namespace rigmap {
@@ -120,22 +121,6 @@ class Chain {
            adjoint.transpose();
   }
 
-  // Of the way from the earlier frame to the later one over the frames that they hang on, in the
-  // axes of the later one; nothing where they hang on no frame in common.
-  std::optional<Matrix6d> CovarianceBetween(int earlier, int later) const {
-    const Odometry& motion = registration_.motion;
-    const Rigid3 later_from_world = PoseOf(later).Inverse();
-    Matrix6d sum = Matrix6d::Zero();
-    for (int a = earlier, b = later; a != b;) {
-      int& end = a > b ? a : b;
-      const Matrix6d carry = Adjoint(later_from_world * PoseOf(end));
-      sum += carry * motion[end].step_covariance * carry.transpose();
-      if (motion[end].reference >= end) return std::nullopt;
-      end = motion[end].reference;
-    }
-    return sum;
-  }
-
   // Against the frame before the last.
   void Close(int frame, const FrameCloud& cloud, RegisteredFrame& found) const {
     if (recent_.size() < 2) return;
@@ -147,7 +132,7 @@ class Chain {
     const Rigid3 off = chained.Inverse() * aligned.target_from_source;
     found.closure_m = off.translation.norm();
     // Both ways there are uncertain.
-    const auto chained_covariance = CovarianceBetween(other.frame, frame);
+    const auto chained_covariance = CovarianceBetween(registration_.motion, other.frame, frame);
     if (!chained_covariance) return;
     const Matrix6d covariance = CovarianceInSource(aligned) + *chained_covariance;
     Vector6d difference;
