@@ -77,14 +77,14 @@ void Linearise(const Samples& across, const Samples& down, Template& window) {
 }
 
 // False where the window leaves the image or is flat.
-bool FillTemplate(const GreyView& source, const Eigen::Vector2i& centre, int radius,
-                  Template& window) {
+bool FillTemplate(const GreyView& source, const Eigen::Vector2i& centre, Template& window) {
+  const int half_width = window.shape.half_width, half_height = window.shape.half_height;
   const std::uint8_t* middle = source.data + centre.y() * source.stride + centre.x();
   Samples across{}, down{};
   int i = 0;
-  for (int y = -radius; y <= radius; ++y) {
-    const std::uint8_t* pixel = middle + y * source.stride - radius;
-    for (int x = -radius; x <= radius; ++x, ++pixel, ++i) {
+  for (int y = -half_height; y <= half_height; ++y) {
+    const std::uint8_t* pixel = middle + y * source.stride - half_width;
+    for (int x = -half_width; x <= half_width; ++x, ++pixel, ++i) {
       window.grey[i] = *pixel;
       across[i] = 0.5F * static_cast<float>(pixel[1] - pixel[-1]);
       down[i] = 0.5F * static_cast<float>(pixel[source.stride] - pixel[-source.stride]);
@@ -131,16 +131,15 @@ bool Sample(const GreyView& target, int count, const Offsets& offsets, const Pat
 // one side, that would draw it aside.
 class SharpenedTemplate {
  public:
-  SharpenedTemplate(const GreyView& source, const Eigen::Vector2i& centre, int radius,
-                    const Template& window)
-      : source_(source), centre_(centre), radius_(radius), window_(window), now_(&window.grey) {}
+  SharpenedTemplate(const GreyView& source, const Eigen::Vector2i& centre, const Template& window)
+      : source_(source), centre_(centre), window_(window), now_(&window.grey) {}
 
-  // Normalised, under that warp; nothing where that leaves it flat. It is made anew where it would
-  // change by what could be told.
+  // Normalised, under that warp; nothing where that leaves it flat. It is made anew where it
+  // changes.
   const Samples* Under(const PatchWarp& warp) {
     // Variance of the spot that a point makes in a sharp image, px^2 (Lowe 2004, sec. 3.3), and the
-    // change of it that draws a window of twice the texture on one side by 0.002 px.
-    constexpr double kBlur = 0.25, kTold = 0.02;
+    // change of it that draws a window of twice the texture on one side by 0.0002 px.
+    constexpr double kBlur = 0.25, kTold = 0.002;
     const Eigen::Matrix2d inverse = warp.linear.inverse();
     const Eigen::Matrix2d lost =
         kBlur * (Eigen::Matrix2d::Identity() - inverse * inverse.transpose());
@@ -160,9 +159,10 @@ class SharpenedTemplate {
     const int stride = source_.stride;
     const std::uint8_t* middle = source_.data + centre_.y() * stride + centre_.x();
     int i = 0;
-    for (int y = -radius_; y <= radius_; ++y) {
-      const std::uint8_t* pixel = middle + y * stride - radius_;
-      for (int x = -radius_; x <= radius_; ++x, ++pixel, ++i) {
+    const int half_width = window_.shape.half_width, half_height = window_.shape.half_height;
+    for (int y = -half_height; y <= half_height; ++y) {
+      const std::uint8_t* pixel = middle + y * stride - half_width;
+      for (int x = -half_width; x <= half_width; ++x, ++pixel, ++i) {
         const std::uint8_t *above = pixel - stride, *below = pixel + stride;
         const int twice = 2 * pixel[0];
         grey_[i] = window_.grey[i] - xx * static_cast<float>(pixel[1] + pixel[-1] - twice) -
@@ -174,7 +174,6 @@ class SharpenedTemplate {
 
   const GreyView& source_;
   Eigen::Vector2i centre_;
-  int radius_;
   const Template& window_;
   Samples grey_{};
   const Samples* now_;
@@ -234,14 +233,15 @@ double PositionSigma(const Matrix6& hessian, double residual_square, const Templ
 std::optional<PatchAlignment> AlignPatch(const GreyView& source, const Eigen::Vector2i& centre,
                                          const GreyView& target, const PatchWarp& start,
                                          const PatchAlignmentOptions& options) {
-  const int radius = options.radius_px;
+  const int half_width = options.half_width_px, half_height = options.half_height_px;
+  const int radius = std::max(half_width, half_height);
   if (radius >= kMaxWindowRadius || !Inside(source, centre, radius + 1)) return std::nullopt;
-  Template window(WindowShapeOf(radius));
-  if (!FillTemplate(source, centre, radius, window)) return std::nullopt;
+  Template window(WindowShapeOf(half_width, half_height));
+  if (!FillTemplate(source, centre, window)) return std::nullopt;
   const Eigen::LDLT<Matrix6> solver(window.hessian);
   if (solver.info() != Eigen::Success || !(solver.rcond() > 1e-8)) return std::nullopt;
   const Offsets offsets = BentOffsets(window.shape, start);  // the bend is not searched
-  SharpenedTemplate sharpened(source, centre, radius, window);
+  SharpenedTemplate sharpened(source, centre, window);
   PatchAlignment result{.warp = start};
   Samples grey{};
   for (int iteration = 0; iteration < options.max_iterations; ++iteration) {

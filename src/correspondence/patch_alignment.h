@@ -18,7 +18,8 @@ struct GreyView {
 };
 
 struct PatchAlignmentOptions {
-  int radius_px = 6;  // of the window; 13 x 13 pixels hold the nine parameters on sand
+  // Of the window, to either side of its centre; 13 x 13 pixels hold the nine parameters on sand.
+  int half_width_px = 6, half_height_px = 6;
   int max_iterations = 20;
   double converged_px = 0.01;
   double max_shift_px = 3.0;  // a window that moves further has found something else

@@ -5,28 +5,31 @@
 
 namespace rigmap {
 
-WindowShape::WindowShape(int radius) {
-  const double spread = 0.7 * radius;
-  for (int y = -radius; y <= radius; ++y) {
-    for (int x = -radius; x <= radius; ++x) {
-      const double gaussian = std::exp(-0.5 * (x * x + y * y) / (spread * spread));
+WindowShape::WindowShape(int columns, int rows) : half_width(columns), half_height(rows) {
+  const double across = 0.7 * columns, down = 0.7 * rows;
+  for (int y = -rows; y <= rows; ++y) {
+    for (int x = -columns; x <= columns; ++x) {
+      const double gaussian = std::exp(-0.5 * (x * x / (across * across) + y * y / (down * down)));
       column[count] = static_cast<float>(x);
       row[count] = static_cast<float>(y);
       weight[count++] = static_cast<float>(gaussian);
       weight_sum += gaussian;
-      moment += gaussian * x * x;
+      column_moment += gaussian * x * x;
+      row_moment += gaussian * y * y;
     }
   }
 }
 
-const WindowShape& WindowShapeOf(int radius) {
+const WindowShape& WindowShapeOf(int half_width, int half_height) {
   static const auto kShapes = [] {
     std::vector<WindowShape> shapes;
-    shapes.reserve(kMaxWindowRadius);
-    for (int r = 0; r < kMaxWindowRadius; ++r) shapes.emplace_back(r);
+    shapes.reserve(kMaxWindowRadius * kMaxWindowRadius);
+    for (int i = 0; i < kMaxWindowRadius * kMaxWindowRadius; ++i) {
+      shapes.emplace_back(i / kMaxWindowRadius, i % kMaxWindowRadius);
+    }
     return shapes;
   }();
-  return kShapes[radius];
+  return kShapes[half_width * kMaxWindowRadius + half_height];
 }
 
 // The weights are alike to all sides, so that mean and slopes are found one by one.
@@ -39,8 +42,8 @@ void TakeOffPlane(const WindowShape& shape, Samples& samples) {
     down += weighted * At(shape.row, i);
   }
   mean = All(Sum(mean) / shape.weight_sum);
-  across = All(Sum(across) / shape.moment);
-  down = All(Sum(down) / shape.moment);
+  across = All(Sum(across) / shape.column_moment);
+  down = All(Sum(down) / shape.row_moment);
   for (int i = 0; i < shape.count; i += kLanes) {
     const Four tilt = mean + across * At(shape.column, i) + down * At(shape.row, i);
     Set(samples, i, At(samples, i) - tilt);

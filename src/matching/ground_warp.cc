@@ -51,6 +51,21 @@ std::optional<GroundPatch> GroundAround(const std::vector<Feature>& features,
   return GroundPatch{frame, features[index].left.array().round(), points[index]->x_in_left, normal};
 }
 
+Eigen::Array2d DepthChange(const GroundPatch& patch, const Camera& camera) {
+  // Over the plane's depth along a ray of unit depth.
+  const auto nearness = [&](const Eigen::Vector2d& pixel) {
+    const auto ray = Undistort(camera, pixel);
+    return ray ? patch.normal.dot(ray->homogeneous()) : NAN;
+  };
+  const double here = nearness(patch.centre);
+  Eigen::Array2d change;
+  for (int axis = 0; axis < 2; ++axis) {
+    const double next = nearness(patch.centre + Eigen::Vector2d::Unit(axis));
+    change(axis) = std::abs(next / here - 1.0);
+  }
+  return change.isFinite().select(change, 0.0);
+}
+
 std::optional<PatchWarp> GroundWarp(const GroundPatch& patch, const Rigid3& b_from_a,
                                     const Camera& camera) {
   const Eigen::Vector3d &x = patch.x, &normal = patch.normal;

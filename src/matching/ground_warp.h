@@ -23,6 +23,9 @@ std::optional<GroundPatch> GroundAround(const std::vector<Feature>& features,
                                         const std::vector<std::optional<StereoPoint>>& points,
                                         int index, int frame);
 
+// By what share the plane's depth changes from the patch's centre to the next column and row.
+Eigen::Array2d DepthChange(const GroundPatch& patch, const Camera& camera);
+
 // The map from pixels around the patch's centre to those of frame b, left images, to second order;
 // its position is where the centre goes to. Nothing where the plane is seen edge-on or from behind.
 std::optional<PatchWarp> GroundWarp(const GroundPatch& patch, const Rigid3& b_from_a,

@@ -156,6 +156,7 @@ class FrameMatcher {
     auto& ground = fixed.refinement.references[feature].ground;
     if (!ground) ground = ground_here();
     if (!ground) return expected;
+    expected.depth_change = DepthChange(*ground, rig_.left.camera);
     const Rigid3 moving_from_source =
         moving_from_fixed * OdometricMotion(odometry_, ground->frame, fixed_frame);
     const auto bent = GroundWarp(*ground, moving_from_source, rig_.left.camera);

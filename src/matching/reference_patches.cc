@@ -16,13 +16,24 @@ Eigen::Vector2d OffsetInPatch(const Eigen::Vector2d& pixel) {
 const Eigen::Vector2i kPatchCentre(kPatchRadius, kPatchRadius);
 
 // A window no larger than what is sure to stay within the later view's patch as it grows and
-// shifts.
-PatchAlignmentOptions WindowFor(const PatchWarp& start) {
+// shifts; and narrower where depths change much from column to column, or lower where they do from
+// row to row: there ground that is no plane draws it aside.
+PatchAlignmentOptions WindowFor(const PatchWarp& start, const Eigen::Array2d& depth_change) {
+  // From the middle to the edge. Ground that grows by a quarter bends by a quarter of that over
+  // half a window; where the bend is left out, or is another, a window 3 px high is drawn by 0.01
+  // px.
+  constexpr double kMaxDepthChange = 0.05;
+  constexpr double kLeast_px = 3.0;
   PatchAlignmentOptions options;
   options.max_shift_px = 2.0;
   const double growth = start.linear.cwiseAbs().rowwise().sum().maxCoeff();
   const double room_px = (kPatchRadius - options.max_shift_px) / growth;
-  options.radius_px = static_cast<int>(std::min<double>(options.radius_px, room_px));
+  const auto limit = [&](double change, int& half_px) {
+    const double flat_px = std::max(kLeast_px, kMaxDepthChange / std::max(change, 1e-9));
+    half_px = static_cast<int>(std::min({static_cast<double>(half_px), room_px, flat_px}));
+  };
+  limit(depth_change.x(), options.half_width_px);
+  limit(depth_change.y(), options.half_height_px);
   return options;
 }
 
@@ -59,7 +70,7 @@ bool AlignWithReference(const FeatureRefinement& earlier, int a, FeatureRefineme
   start.bend = expected.bend;
   start.position = found - patch_origin - start.linear * reference.offset;
   const auto result = AlignPatch(View(reference.patch), kPatchCentre, View(later.found.patches[b]),
-                                 start, WindowFor(start));
+                                 start, WindowFor(start, expected.depth_change));
   if (!result || result->correlation < options.min_correlation ||
       result->sigma_px > options.max_position_sigma_px) {
     return false;

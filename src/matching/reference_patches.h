@@ -24,7 +24,8 @@ struct ReferencePatch {
 struct ExpectedView {
   Eigen::Matrix2d later_from_earlier = Eigen::Matrix2d::Identity();  // turned, stretched, grown
   Eigen::Matrix<double, 2, 3> bend =
-      Eigen::Matrix<double, 2, 3>::Zero();  // of its patch, PatchWarp
+      Eigen::Matrix<double, 2, 3>::Zero();               // of its patch, PatchWarp
+  Eigen::Array2d depth_change = Eigen::Array2d::Zero();  // DepthChange, of its ground
 };
 
 // Reference patches and current positions of one frame's features.

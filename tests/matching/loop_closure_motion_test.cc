@@ -167,6 +167,24 @@ TEST(GroundWarp, BendsAsPlaneAndLensDo) {
   }
 }
 
+TEST(DepthChange, IsThatOfThePlane) {
+  const Camera camera = LocCamRig().left.camera;
+  const Eigen::Vector2d centre(700, 450);
+  const Eigen::Vector3d normal = Eigen::Vector3d(0.3, -0.9, -0.1).normalized();
+  const Eigen::Vector3d x = 6.0 * Undistort(camera, centre)->homogeneous();
+  const Eigen::Array2d change = DepthChange({0, centre, x, normal}, camera);
+  for (int axis = 0; axis < 2; ++axis) {
+    const Eigen::Vector3d next =
+        Undistort(camera, centre + Eigen::Vector2d::Unit(axis))->homogeneous();
+    const double depth_m = normal.dot(x) / normal.dot(next);
+    EXPECT_NEAR(change(axis), std::abs(6.0 / depth_m - 1.0), 1e-9);
+    EXPECT_GT(change(axis), 1e-4);
+  }
+  // Through the eye: nothing to go by.
+  const Eigen::Vector3d edge_on = x.cross(Eigen::Vector3d::UnitX()).normalized();
+  EXPECT_TRUE(DepthChange({0, centre, x, edge_on}, camera).isFinite().all());
+}
+
 TEST(GroundWarp, IsTheSameWhereNothingMoves) {
   const SyntheticRover rover = TurnedViews();
   const SearchedFrame a = ViewOf(rover, 0);

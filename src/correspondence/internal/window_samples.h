@@ -23,19 +23,21 @@ inline Four Nought() { return cv::v_setzero_f32(); }
 inline Four All(double value) { return cv::v_setall_f32(static_cast<float>(value)); }
 inline double Sum(const Four& values) { return cv::v_reduce_sum(values); }
 
-// What only depends on the radius of a window (px): Gaussian weights, alike to all sides. Row by
-// row, and up to the next multiple of four of no weight.
+// What only depends on the size of a window, px to either side of its centre: Gaussian weights,
+// alike to left and right and to above and below. Row by row, and up to the next multiple of four
+// of no weight.
 struct WindowShape {
-  explicit WindowShape(int radius);
+  WindowShape(int columns, int rows);
 
+  int half_width = 0, half_height = 0;  // px
   int count = 0;
   double weight_sum = 0.0;
-  double moment = 0.0;  // px^2, weighted sum of the squared columns, and so of the rows
+  double column_moment = 0.0, row_moment = 0.0;  // px^2, weighted sums of the squares
   Samples column{}, row{}, weight{};
 };
 
-// Made once; of a radius from 1 to less than kMaxWindowRadius.
-const WindowShape& WindowShapeOf(int radius);
+// Made once; both from 1 to less than kMaxWindowRadius.
+const WindowShape& WindowShapeOf(int half_width, int half_height);
 
 // Takes the weighted mean plane off `samples`.
 void TakeOffPlane(const WindowShape& shape, Samples& samples);
