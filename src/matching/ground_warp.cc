@@ -52,7 +52,7 @@ std::optional<GroundPatch> GroundAround(const std::vector<Feature>& features,
 }
 
 Eigen::Array2d DepthChange(const GroundPatch& patch, const Camera& camera) {
-  // Over the plane's depth along a ray of unit depth.
+  // Inverse depth where the pixel's ray meets the plane, but for a factor.
   const auto nearness = [&](const Eigen::Vector2d& pixel) {
     const auto ray = Undistort(camera, pixel);
     return ray ? patch.normal.dot(ray->homogeneous()) : NAN;

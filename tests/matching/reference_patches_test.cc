@@ -82,6 +82,45 @@ TEST_F(ReferencePatchesTest, AlignedFeaturesMeanTheSameSpot) {
   EXPECT_LT(Median(after_px), 0.03);
 }
 
+// The patch of a view in which all that lies five pixels and more from its middle row, or column,
+// has moved by two along it.
+Patch TornPatch(const Patch& patch, bool by_rows) {
+  Patch torn = patch;
+  for (int across = 0; across < kPatchSize; ++across) {
+    if (std::abs(across - kPatchRadius) < 5) continue;
+    for (int along = 0; along + 2 < kPatchSize; ++along) {
+      const auto at = [&](int i) {
+        return by_rows ? across * kPatchSize + i : i * kPatchSize + across;
+      };
+      torn[at(along)] = patch[at(along + 2)];
+    }
+  }
+  return torn;
+}
+
+TEST_F(ReferencePatchesTest, WindowsKeepToWhatIsOfAboutOneDepth) {
+  const FeatureRefinement earlier = StartRefinement(rover_.frames[0]);
+  const int count = static_cast<int>(earlier.refined.size());
+  for (const bool by_rows : {true, false}) {
+    const auto count_kept = [&](const Eigen::Array2d& depth_change) {
+      FeatureRefinement later = StartRefinement(rover_.frames[0]);
+      int kept = 0;
+      for (int i = 0; i < count; ++i) {
+        later.found.patches[i] = TornPatch(later.found.patches[i], by_rows);
+        ExpectedView expected = Grown(1.0);
+        expected.depth_change = depth_change;
+        if (!AlignWithReference(earlier, i, later, i, expected, options_)) continue;
+        if ((later.refined[i].left - later.found.features[i].left).norm() < 0.01) ++kept;
+      }
+      return kept;
+    };
+    const Eigen::Array2d across = by_rows ? Eigen::Array2d(0.0, 0.05) : Eigen::Array2d(0.05, 0.0);
+    EXPECT_GT(count_kept(across), 0.9 * count);
+    EXPECT_LT(count_kept(Eigen::Array2d::Zero()), 0.2 * count);
+    EXPECT_LT(count_kept(across.reverse()), 0.2 * count);
+  }
+}
+
 TEST_F(ReferencePatchesTest, ReferencesAreHandedOn) {
   const FeatureRefinement first = StartRefinement(rover_.frames[0]);
   FeatureRefinement second = StartRefinement(rover_.frames[1]),
