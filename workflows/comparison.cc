@@ -42,8 +42,11 @@ constexpr std::array kEvaluated{
     Source{"rtk_rms_m", "/rtk/rms_residual_m"},
     Source{"rtk_noise_m", "/rtk/noise_m"},
     Source{"rtk_rms_pct", "/rtk/rms_pct"},
+    Source{"rtk_noise_pct", "/rtk/noise_pct"},
     Source{"rtk_height_rms_m", "/rtk/height_rms_m"},
     Source{"rtk_height_noise_m", "/rtk/height_noise_m"},
+    Source{"rtk_height_drift_pct", "/rtk/height_drift_pct"},
+    Source{"rtk_height_drift_noise_pct", "/rtk/height_drift_noise_pct"},
     Source{"rtk_scale_error_pct", "/rtk/scale_error_pct"},
     Source{"odometry_ate_pct", "/steps/odometry/ate_se3_pct"},
     Source{"odometry_scale_error_pct", "/steps/odometry/scale_error_pct"},
@@ -86,6 +89,16 @@ Json ParseFile(const std::filesystem::path& path) {
   }
 }
 
+// A cell for each length, after a pattern with a place for it.
+void PutDrift(fmt::string_view pattern, const Json& segments, const char* figure, Json& row) {
+  for (const int length_m : kDriftLengths) {
+    Json& cell = row[fmt::format(fmt::runtime(pattern), length_m)] = nullptr;
+    for (const Json& drift : segments) {
+      if (drift.at("segment_m") == length_m) cell = drift.at(figure);
+    }
+  }
+}
+
 void PutEvaluation(const Json& evaluation, Json& row) {
   const bool tracked = evaluation.contains("rms_se2_m");
   row["judged_by"] = tracked                            ? Json(kPrismJudge)
@@ -96,12 +109,13 @@ void PutEvaluation(const Json& evaluation, Json& row) {
     for (const Source& source : kTracked) row[source.name] = At(evaluation, source.pointer);
     row["scale_error_pct"] = 100.0 * std::abs(row["scale"].get<double>() - 1.0);
   }
-  for (const int length_m : kDriftLengths) {
-    Json& cell = row[fmt::format("drift_{}m_pct", length_m)] = nullptr;
-    for (const Json& drift : At(evaluation, "/drift/segments")) {
-      if (drift.at("segment_m") == length_m) cell = drift.at("rpe_t_pct");
-    }
-  }
+  // Of rtk_scale_error_pct, in the same unit.
+  const Json scale_noise = At(evaluation, "/rtk/scale_noise");
+  row["rtk_scale_noise_pct"] =
+      scale_noise.is_number() ? Json(100.0 * scale_noise.get<double>()) : Json(nullptr);
+  PutDrift("drift_{}m_pct", At(evaluation, "/drift/segments"), "rpe_t_pct", row);
+  PutDrift("rtk_drift_{}m_pct", At(evaluation, "/rtk/drift"), "horizontal_pct", row);
+  PutDrift("rtk_drift_noise_{}m_pct", At(evaluation, "/rtk/drift"), "horizontal_noise_pct", row);
 }
 
 // Share of the frames whose pose is more than a prediction.

@@ -25,6 +25,8 @@ bool IsHorizontal(const Json& medians) {
   return medians.contains("judged_by") && medians["judged_by"] == kPrismJudge;
 }
 
+constexpr const char* kNone = "-";
+
 // A column of the table for people.
 struct Column {
   std::string heading;
@@ -33,7 +35,7 @@ struct Column {
 
 Column Figure(const std::string& heading, const std::string& name, int decimals) {
   return {heading, [=](const Json& medians) {
-            if (!medians.contains(name) || !medians[name].is_object()) return std::string("-");
+            if (!medians.contains(name) || !medians[name].is_object()) return std::string(kNone);
             const double spread = medians[name]["spread"];
             const std::string median =
                 fmt::format("{:.{}f}", medians[name]["median"].get<double>(), decimals);
@@ -47,6 +49,15 @@ Column AteFigure(const std::string& heading, const std::string& name, int decima
   const Column figure = Figure(heading, name, decimals);
   return {heading, [=](const Json& medians) {
             return figure.text(medians) + (IsHorizontal(medians) ? " h" : "");
+          }};
+}
+
+// Beside it, in brackets, what the noise of the fixes alone would make.
+Column WithNoise(const std::string& heading, const std::string& name, const std::string& noise) {
+  const Column figure = Figure(heading, name, 4), floor = Figure(heading, noise, 4);
+  return {heading, [=](const Json& medians) {
+            const std::string text = figure.text(medians);
+            return text == kNone ? text : fmt::format("{} ({})", text, floor.text(medians));
           }};
 }
 
@@ -76,31 +87,36 @@ std::string WriteComparisonCsv(const std::vector<ComparisonRow>& rows) {
 }
 
 std::string FormatComparison(const Json& comparison) {
-  const std::vector<Column> columns{Word("part", "part"),
-                                    Word("technique", "technique"),
-                                    Word("setting", "setting"),
-                                    {"ok/no/failed",
-                                     [](const Json& medians) {
-                                       return fmt::format("{}/{}/{}", medians["ok"].get<int>(),
-                                                          medians["untrusted"].get<int>(),
-                                                          medians["failed"].get<int>());
-                                     }},
-                                    Figure("posed %", "coverage_pct", 0),
-                                    AteFigure("ATE m", "ate_se3_m", 4),
-                                    AteFigure("ATE %", "ate_se3_pct", 4),
-                                    Figure("scale %", "scale_error_pct", 3),
-                                    Figure("says %", "scale_95_pct", 2),
-                                    Figure("height m", "height_rms_m", 4),
-                                    Figure("10 m %", "drift_10m_pct", 3),
-                                    Figure("F 1 cm", "f_1cm_within_1.5m", 3),
-                                    Figure("rock mm", "rock_shift_mm", 1),
-                                    Figure("s/pair", "seconds_per_pair", 2),
-                                    Figure("peak MB", "peak_rss_mb", 0)};
+  const std::vector<Column> columns{
+      Word("part", "part"),
+      Word("technique", "technique"),
+      Word("setting", "setting"),
+      {"ok/no/failed",
+       [](const Json& medians) {
+         return fmt::format("{}/{}/{}", medians["ok"].get<int>(), medians["untrusted"].get<int>(),
+                            medians["failed"].get<int>());
+       }},
+      Figure("posed %", "coverage_pct", 0),
+      AteFigure("ATE m", "ate_se3_m", 4),
+      AteFigure("ATE %", "ate_se3_pct", 4),
+      Figure("scale %", "scale_error_pct", 3),
+      Figure("says %", "scale_95_pct", 2),
+      Figure("height m", "height_rms_m", 4),
+      Figure("10 m %", "drift_10m_pct", 3),
+      WithNoise("RTK m", "rtk_rms_m", "rtk_noise_m"),
+      WithNoise("RTK height m", "rtk_height_rms_m", "rtk_height_noise_m"),
+      Figure("F 1 cm", "f_1cm_within_1.5m", 3),
+      Figure("rock mm", "rock_shift_mm", 1),
+      Figure("s/pair", "seconds_per_pair", 2),
+      Figure("peak MB", "peak_rss_mb", 0)};
   const Json& medians = comparison.at("medians");
   std::vector<std::string> lines(medians.size() + 1);
   for (const Column& column : columns) {
     std::vector<std::string> cells{column.heading};
     for (const Json& row : medians) cells.push_back(column.text(row));
+    if (std::all_of(cells.begin() + 1, cells.end(), [](auto& cell) { return cell == kNone; })) {
+      continue;
+    }
     std::size_t width = 0;
     for (const std::string& cell : cells) width = std::max(width, Width(cell));
     for (std::size_t i = 0; i < cells.size(); ++i) {

@@ -13,6 +13,7 @@ namespace {
 
 using testing::ElementsAre;
 using testing::HasSubstr;
+using testing::Not;
 using testing::StartsWith;
 
 class Comparison : public testing::Test {
@@ -70,6 +71,30 @@ TEST_F(Comparison, TakesWhatAPrismSaysAndTellsThatItIsHorizontal) {
   const std::string table = FormatComparison(WriteComparison({row}));
   EXPECT_THAT(table, HasSubstr("0.0780 h"));
   EXPECT_THAT(table, HasSubstr("\nh: horizontal, beside the track of a prism\n"));
+}
+
+TEST_F(Comparison, TakesWhatFixesSayWithTheirNoiseBesideIt) {
+  WriteSummary("ok", "[]");
+  const RunName name{"beach", "rig", "", 0};
+  EXPECT_THAT(FormatComparison(WriteComparison({MakeRow(name, folder_.Path())})),
+              Not(HasSubstr("RTK")));
+  Write("evaluation.json",
+        R"({"rtk": {"rms_residual_m": 0.012, "noise_m": 0.0115, "rms_pct": 0.15, "noise_pct": 0.14,
+                    "height_rms_m": 0.02, "height_noise_m": 0.018, "height_drift_pct": 0.3,
+                    "height_drift_noise_pct": 0.2, "scale_error_pct": 0.11, "scale_noise": 0.002,
+                    "drift": [{"segment_m": 5.0, "horizontal_pct": 0.4,
+                               "horizontal_noise_pct": 0.3}]}})");
+  const ComparisonRow row = MakeRow(name, folder_.Path());
+  EXPECT_EQ(row["rtk_noise_pct"], 0.14);
+  EXPECT_EQ(row["rtk_height_drift_pct"], 0.3);
+  EXPECT_EQ(row["rtk_height_drift_noise_pct"], 0.2);
+  EXPECT_NEAR(row["rtk_scale_noise_pct"], 0.2, 1e-12);
+  EXPECT_EQ(row["rtk_drift_5m_pct"], 0.4);
+  EXPECT_EQ(row["rtk_drift_noise_5m_pct"], 0.3);
+  EXPECT_TRUE(row["rtk_drift_10m_pct"].is_null());
+  const std::string table = FormatComparison(WriteComparison({row}));
+  EXPECT_THAT(table, HasSubstr("0.0120 (0.0115)"));
+  EXPECT_THAT(table, HasSubstr("0.0200 (0.0180)"));
 }
 
 TEST_F(Comparison, RowNeedsASummary) {

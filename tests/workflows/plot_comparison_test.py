@@ -49,6 +49,7 @@ class PlotComparison(unittest.TestCase):
         self.run_of('b', True)
         plots = self.plotted('part,technique,setting,repeat,run,truth,status\n'
                              '1,vo,,0,a,,ok\n1,rig,,0,b,,ok\n')
+        self.assertIn('1-errors.svg', plots)  # at the fixes
         routes = plots['1-routes.svg']
         self.assertIn('RTK fixes', routes)
         lines = re.findall(r'<path d="(M [^"]+)" clip-path[^>]*style="fill: none', routes)
@@ -56,6 +57,17 @@ class PlotComparison(unittest.TestCase):
         self.assertEqual(len(ends), 2)  # from above
         for ours, other in zip(*ends):
             self.assertAlmostEqual(float(ours), float(other), delta=1.0)
+
+    def test_more_ways_than_colours_differ_in_their_lines(self):
+        for i in range(12):
+            self.run_of(f'r{i}', False)
+        plots = self.plotted('part,technique,setting,repeat,run,truth,status\n' +
+                             ''.join(f'1,t{i},,0,r{i},,ok\n' for i in range(12)))
+        drawn = re.findall(r'style="fill: none; ?([^"]*stroke-width: 1\.2[^"]*)"',
+                           plots['1-routes.svg'])
+        # From above, from the side and in the legend.
+        self.assertEqual(len(drawn), 3 * 12)
+        self.assertEqual(len(set(drawn)), 12)
 
 
 if __name__ == '__main__':
