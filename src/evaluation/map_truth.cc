@@ -2,6 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
+#include <iterator>
+#include <map>
 #include <nlohmann/json.hpp>
 
 #include "core/error.h"
@@ -16,7 +20,16 @@ namespace fs = std::filesystem;
 constexpr float kNormalUnit = 127.0F;  // the length that unit normals have in the file
 
 fs::path SurfaceFile(const fs::path& folder) { return folder / "surface.ply"; }
-fs::path RocksFile(const fs::path& folder) { return folder / ".." / "rocks.json"; }
+
+// Each once: parts of one drive have theirs in common.
+std::vector<fs::path> RocksFiles(const std::vector<fs::path>& folders) {
+  std::vector<fs::path> files;
+  for (const fs::path& folder : folders) {
+    fs::path file = (fs::absolute(folder) / ".." / "rocks.json").lexically_normal();
+    if (std::ranges::find(files, file) == files.end()) files.push_back(std::move(file));
+  }
+  return files;
+}
 
 TrueSurface ReadSurface(const fs::path& path, bool kind_needed) {
   PlyRows rows(path);
@@ -36,6 +49,24 @@ TrueSurface ReadSurface(const fs::path& path, bool kind_needed) {
     surface.kind.push_back(kind && PlyValue(*kind, row) == kRockKind ? kRockKind : 0);
   }
   return surface;
+}
+
+// Points at the very same place are one.
+void Add(const TrueSurface& more, TrueSurface& surface) {
+  const auto key = [](const Eigen::Vector3f& x) { return std::array{x.x(), x.y(), x.z()}; };
+  std::map<std::array<float, 3>, std::size_t> known;
+  for (std::size_t i = 0; i < surface.size(); ++i) known.emplace(key(surface.x_in_truth[i]), i);
+  for (std::size_t i = 0; i < more.size(); ++i) {
+    const auto found = known.find(key(more.x_in_truth[i]));
+    if (found != known.end()) {
+      surface.visible[found->second] |= more.visible[i];
+      continue;
+    }
+    surface.x_in_truth.push_back(more.x_in_truth[i]);
+    surface.normal.push_back(more.normal[i]);
+    surface.visible.push_back(more.visible[i]);
+    surface.kind.push_back(more.kind[i]);
+  }
 }
 
 // Throws nlohmann::json::exception for what is no such rock.
@@ -64,18 +95,29 @@ std::vector<TrueRock> ReadRocks(const fs::path& path) {
 
 }  // namespace
 
-std::optional<MapTruth> ReadMapTruth(const fs::path& folder) {
-  const fs::path surface = SurfaceFile(folder);
-  if (!fs::exists(surface)) return std::nullopt;
+std::optional<MapTruth> ReadMapTruth(const std::vector<fs::path>& folders) {
+  const auto has_surface = [](const fs::path& folder) { return fs::exists(SurfaceFile(folder)); };
+  if (folders.empty() || !std::ranges::all_of(folders, has_surface)) return std::nullopt;
   MapTruth truth;
-  truth.path = ReadTum(folder / "trajectory.tum");
-  truth.rocks = ReadRocks(RocksFile(folder));
-  truth.surface = ReadSurface(surface, !truth.rocks.empty());
+  for (const fs::path& file : RocksFiles(folders)) {
+    std::ranges::move(ReadRocks(file), std::back_inserter(truth.rocks));
+  }
+  for (const fs::path& folder : folders) {
+    std::ranges::move(ReadTum(folder / "trajectory.tum"), std::back_inserter(truth.path));
+    TrueSurface surface = ReadSurface(SurfaceFile(folder), !truth.rocks.empty());
+    if (folder == folders.front()) {
+      truth.surface = std::move(surface);
+    } else {
+      Add(surface, truth.surface);
+    }
+  }
+  std::ranges::stable_sort(truth.path, {}, &TumPose::stamp_ns);
   return truth;
 }
 
-std::vector<fs::path> MapTruthFiles(const fs::path& folder) {
-  std::vector<fs::path> files{SurfaceFile(folder), RocksFile(folder)};
+std::vector<fs::path> MapTruthFiles(const std::vector<fs::path>& folders) {
+  std::vector<fs::path> files = RocksFiles(folders);
+  for (const fs::path& folder : folders) files.push_back(SurfaceFile(folder));
   std::erase_if(files, [](const fs::path& file) { return !fs::exists(file); });
   return files;
 }

@@ -38,14 +38,16 @@ struct MapTruth {
   std::vector<TrueRock> rocks;
 };
 
-// Reads a folder's trajectory.tum, surface.ply and, where it exists, ../rocks.json; nothing where
-// there is no surface.ply. surface.ply is a binary little-endian PLY with x y z, nx ny nz (the unit
-// normal times 127), visible and kind (needed where there are rocks); coordinates are taken as
-// float. rocks.json is {"rocks": [{"size", "x", "y", "z", "width", ...}, ...]}. Throws DataError
-// naming file, expected and found for anything else.
-std::optional<MapTruth> ReadMapTruth(const std::filesystem::path& folder);
+// Reads a folder's trajectory.tum, surface.ply and, where it exists, ../rocks.json; of several
+// folders, one for each part of a drive and all in one frame, one path, one surface and their
+// rocks. Points that several parts have are there once, visible where any part has seen them.
+// Nothing where a folder has no surface.ply. surface.ply is a binary little-endian PLY with x y z,
+// nx ny nz (the unit normal times 127), visible and kind (needed where there are rocks);
+// coordinates are taken as float. rocks.json is {"rocks": [{"size", "x", "y", "z", "width", ...},
+// ...]}. Throws DataError naming file, expected and found for anything else.
+std::optional<MapTruth> ReadMapTruth(const std::vector<std::filesystem::path>& folders);
 
-// Those of the files that ReadMapTruth reads besides the trajectory which exist.
-std::vector<std::filesystem::path> MapTruthFiles(const std::filesystem::path& folder);
+// Those of the files that ReadMapTruth reads besides the trajectories which exist.
+std::vector<std::filesystem::path> MapTruthFiles(const std::vector<std::filesystem::path>& folders);
 
 }  // namespace rigmap

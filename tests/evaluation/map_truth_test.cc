@@ -34,7 +34,7 @@ class ReadMapTruthTest : public Test {
     return folder_.Write("Part1/surface.ply", SurfacePly(TwoPoints(), left_out));
   }
   std::string Complaint() const {
-    return MessageOf<DataError>([&] { ReadMapTruth(Part()); });
+    return MessageOf<DataError>([&] { ReadMapTruth({Part()}); });
   }
 
   TemporaryFolder folder_;
@@ -43,7 +43,7 @@ class ReadMapTruthTest : public Test {
 TEST_F(ReadMapTruthTest, ReadsBackWhatWasWritten) {
   WriteSurface();
   folder_.Write("rocks.json", kRocks);
-  const auto truth = ReadMapTruth(Part());
+  const auto truth = ReadMapTruth({Part()});
   ASSERT_TRUE(truth);
   EXPECT_EQ(truth->path.size(), 2U);
   const TrueSurface expected = TwoPoints();
@@ -57,15 +57,35 @@ TEST_F(ReadMapTruthTest, ReadsBackWhatWasWritten) {
   EXPECT_EQ(truth->rocks[0].width_m, 1.1);
 }
 
+TEST_F(ReadMapTruthTest, PartsAreOneSurfaceWithPointsOfBothOnce) {
+  WriteSurface();
+  folder_.Write("rocks.json", kRocks);
+  TrueSurface other = TwoPoints();
+  other.x_in_truth[0].x() = 7.0F;
+  other.visible = {0, 1};
+  folder_.Write("Part2/trajectory.tum", "0.5 0 0 1 0 0 0 1\n");
+  folder_.Write("Part2/surface.ply", SurfacePly(other, 0));
+  const auto truth = ReadMapTruth({Part(), folder_.Path() / "Part2"});
+  ASSERT_TRUE(truth);
+  ASSERT_EQ(truth->path.size(), 3U);
+  EXPECT_EQ(truth->path.front().stamp_ns, 500'000'000);
+  ASSERT_EQ(truth->surface.size(), 3U);
+  EXPECT_EQ(truth->surface.x_in_truth[2].x(), 7.0F);
+  EXPECT_EQ(truth->surface.visible, (std::vector<std::uint8_t>{1, 1, 0}));
+  EXPECT_EQ(truth->rocks.size(), 1U);
+  EXPECT_FALSE(ReadMapTruth({Part(), folder_.Path() / "nowhere"}));
+  EXPECT_EQ(MapTruthFiles({Part(), folder_.Path() / "Part2"}).size(), 3U);
+}
+
 TEST_F(ReadMapTruthTest, HasNothingWithoutASurface) {
   folder_.Write("Part1/trajectory.tum", kPath);
-  EXPECT_FALSE(ReadMapTruth(Part()));
-  EXPECT_FALSE(ReadMapTruth(folder_.Path() / "nowhere"));
+  EXPECT_FALSE(ReadMapTruth({Part()}));
+  EXPECT_FALSE(ReadMapTruth({folder_.Path() / "nowhere"}));
 }
 
 TEST_F(ReadMapTruthTest, HasNoRocksWithoutTheirFile) {
   WriteSurface();
-  EXPECT_TRUE(ReadMapTruth(Part())->rocks.empty());
+  EXPECT_TRUE(ReadMapTruth({Part()})->rocks.empty());
 }
 
 TEST_F(ReadMapTruthTest, NamesAMissingProperty) {
@@ -77,7 +97,7 @@ TEST_F(ReadMapTruthTest, NamesAMissingProperty) {
 
 TEST_F(ReadMapTruthTest, NeedsKindsWhereThereAreRocks) {
   const auto file = WriteSurface(1);
-  EXPECT_EQ(ReadMapTruth(Part())->surface.kind, std::vector<std::uint8_t>(2, 0));
+  EXPECT_EQ(ReadMapTruth({Part()})->surface.kind, std::vector<std::uint8_t>(2, 0));
   folder_.Write("rocks.json", kRocks);
   EXPECT_EQ(
       Complaint(),
@@ -92,7 +112,7 @@ TEST_F(ReadMapTruthTest, NamesATruncatedSurface) {
 
 TEST_F(ReadMapTruthTest, NamesRocksThatAreNone) {
   WriteSurface();
-  const std::string file = (Part() / ".." / "rocks.json").string();
+  const std::string file = (folder_.Path() / "rocks.json").string();
   for (const char* text : {"", "[1]", "{}", R"({"rocks": [{"size": "small", "x": 1}]})",
                            R"({"rocks": [{"size": 1, "x": 1, "y": 1, "z": 1, "width": 1}]})"}) {
     folder_.Write("rocks.json", text);

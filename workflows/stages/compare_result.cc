@@ -28,6 +28,12 @@ RockSegmentation RocksOf(const fs::path& map_ply, const RockSegmentationOptions&
   return SegmentRocks(heights, options);
 }
 
+std::vector<fs::path> TruthFolders(const fs::path& truth) {
+  std::vector<fs::path> folders;
+  for (const fs::path& file : TruthFiles(truth)) folders.push_back(file.parent_path());
+  return folders;
+}
+
 // The truth of what was driven: a run of some frames is not judged by the rest of the way.
 std::vector<TumPose> TruthDuring(const std::vector<TumPose>& estimate, std::vector<TumPose> truth,
                                  double max_dt_s) {
@@ -82,8 +88,8 @@ nlohmann::ordered_json CompareWithTruth(const std::vector<TumPose>& estimate,
   auto json = ToJson(trajectory);
   if (auto drift = DriftToJson(trajectory); !drift.is_null()) json["drift"] = std::move(drift);
   std::error_code ignored;
-  if (!fs::exists(map_ply, ignored) || fs::is_directory(truth_path)) return json;
-  const auto truth = ReadMapTruth(truth_path.parent_path());
+  if (!fs::exists(map_ply, ignored)) return json;
+  const auto truth = ReadMapTruth(TruthFolders(truth_path));
   if (!truth) return json;
   const auto truth_from_world = AlignWithTruth(estimate, truth->path, options);
   if (!truth_from_world) return json;  // which the trajectory's `error` says
@@ -143,7 +149,7 @@ std::string DescribeTruth(const Truth& truth) {
   std::string text;
   if (!truth.path.empty()) {
     for (const fs::path& path : TruthFiles(truth.path)) text += HashFile(path);
-    for (const fs::path& path : MapTruthFiles(fs::path(truth.path).parent_path())) {
+    for (const fs::path& path : MapTruthFiles(TruthFolders(truth.path))) {
       text += fmt::format(" {}", HashFile(path));
     }
   }

@@ -34,7 +34,7 @@ std::vector<TumPose> ReadTruth(const std::filesystem::path& truth);
 void RequireTruth(const std::filesystem::path& truth_path);
 
 // The keys of trajectory_metrics.h, those of drift in `drift`, of the truth between the first and
-// the last estimated pose; and where `map_ply` exists and the folder of the truth holds a true
+// the last estimated pose; and where `map_ply` exists and the folders of the truth hold a true
 // surface (map_truth.h), `map` and `rocks` with those of map_metrics.h and rock_metrics.h. Beside
 // a prism's track the keys of prism_metrics.h alone.
 nlohmann::ordered_json CompareWithTruth(const std::vector<TumPose>& estimate,
