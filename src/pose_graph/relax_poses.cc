@@ -50,4 +50,19 @@ std::vector<std::optional<Rigid3>> RelaxPoses(
   return believed == 0 ? world_from_left : PosesOf(OptimisePoseGraph(graph), part.frames, count);
 }
 
+std::vector<LoopClosure> TakeContradicted(const std::vector<std::optional<Rigid3>>& world_from_left,
+                                          const Odometry& odometry,
+                                          std::vector<LoopClosure>& loop_closures) {
+  std::vector<LoopClosure> contradicted;
+  std::erase_if(loop_closures, [&](const LoopClosure& loop_closure) {
+    const PoseGraph graph = BuildPartGraph(world_from_left, odometry, {loop_closure}).graph;
+    const bool is_off = std::ranges::any_of(graph.edges, [&](const PoseEdge& edge) {
+      return IsClosure(edge) && !(ErrorSigmas(edge, graph) <= kMaxSigmas);
+    });
+    if (is_off) contradicted.push_back(loop_closure);
+    return is_off;
+  });
+  return contradicted;
+}
+
 }  // namespace rigmap

@@ -21,4 +21,10 @@ std::vector<std::optional<Rigid3>> RelaxPoses(
     const std::vector<std::optional<Rigid3>>& world_from_left, const Odometry& odometry,
     const std::vector<LoopClosure>& loop_closures);
 
+// Takes out the loop closures that are five of their sigmas or more off these poses, and returns
+// them: wrong ones, where an adjustment has found that all else contradicts them.
+std::vector<LoopClosure> TakeContradicted(const std::vector<std::optional<Rigid3>>& world_from_left,
+                                          const Odometry& odometry,
+                                          std::vector<LoopClosure>& loop_closures);
+
 }  // namespace rigmap

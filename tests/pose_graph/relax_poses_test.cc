@@ -104,6 +104,23 @@ TEST(RelaxPoses, AgreeingLoopClosuresChangeNothing) {
   EXPECT_EQ(WorstMove_m(RelaxPoses(start, Chain(), {}), start), 0.0);
 }
 
+TEST(TakeContradictedTest, TakesTheWrongOnesOut) {
+  SeededRandom random;
+  const auto truth = Circle();
+  Poses poses(truth.begin(), truth.end());
+  poses[30].reset();
+  LoopClosure wrong = TrueLoopClosure(truth, 20, 70);
+  wrong.b_from_a.translation.x() += 0.2;
+  std::vector<LoopClosure> loop_closures{TrueLoopClosure(truth, 0, 99), wrong,
+                                         TrueLoopClosure(truth, 30, 80)};
+  loop_closures[0].b_from_a.translation += random.Vector(0.005);
+  const auto contradicted = TakeContradicted(poses, Chain(), loop_closures);
+  ASSERT_EQ(contradicted.size(), 1U);
+  EXPECT_EQ(contradicted[0].a, 20);
+  ASSERT_EQ(loop_closures.size(), 2U);
+  EXPECT_EQ(loop_closures[1].a, 30) << "of a frame without a pose nothing is known";
+}
+
 TEST(RelaxPoses, FramesWithoutAPoseAreStridden) {
   SeededRandom random;
   const auto truth = Circle();

@@ -5,7 +5,7 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
-#include <numbers>
+#include <ranges>
 #include <utility>
 
 #include "adjustment/carry_groups.h"
@@ -40,6 +40,18 @@ std::vector<LoopClosure> ClosuresWithin(const std::vector<int>& apart,
   const auto side = [&](int frame) { return std::ranges::upper_bound(apart, frame); };
   std::erase_if(loop_closures, [&](const auto& c) { return side(c.a) != side(c.b); });
   return loop_closures;
+}
+
+std::string DescribeContradicted(const std::vector<LoopClosure>& loop_closures) {
+  constexpr std::size_t kNamed = 5;
+  std::vector<std::string> pairs;
+  for (const LoopClosure& c : loop_closures | std::views::take(kNamed)) {
+    pairs.push_back(fmt::format("{} and {}", c.a, c.b));
+  }
+  const std::size_t others = loop_closures.size() - pairs.size();
+  return fmt::format(
+      "loop closures between frames {}{}: all else contradicts them, they are not believed",
+      fmt::join(pairs, ", "), others > 0 ? fmt::format(" and {} others", others) : "");
 }
 
 std::size_t GroupCount(const Adjustment& adjustment) {
@@ -144,6 +156,8 @@ struct Adjuster {
     CarryGroupsAlong(best.starting, best.adjustment);
     const std::vector<int>& apart = best.apart;
     AdjustedPart part = LayInWorld(dataset, motions.steps, std::move(best.adjustment));
+    const auto contradicted =
+        TakeContradicted(part.adjustment.world_from_left, motions.steps, motions.loop_closures);
     part.loop_closures = std::move(motions.loop_closures);
     part.rests_on_mapping = !start.empty() && apart.empty();
     if (!apart.empty()) {
@@ -151,6 +165,10 @@ struct Adjuster {
           "frames {}: the odometry knows the way there better than the few points that tie them to "
           "those before, and carries them",
           fmt::join(apart, ", ")));
+      spdlog::warn("{}", part.remarks.back());
+    }
+    if (!contradicted.empty()) {
+      part.remarks.push_back(DescribeContradicted(contradicted));
       spdlog::warn("{}", part.remarks.back());
     }
     return part;
@@ -231,41 +249,6 @@ void PublishAdjusted(Publication& publication, const StageContext& context,
   PublishPosesAndPoints(part, dataset, publication);
   PublishRigOf(publication, context, part, dataset, content, features, odometry, matches, graph,
                aligned);
-}
-
-Report CameraReport(const Camera& camera) {
-  return {{"fx", camera.fx}, {"fy", camera.fy}, {"cx", camera.cx},
-          {"cy", camera.cy}, {"k1", camera.k1}, {"k2", camera.k2},
-          {"p1", camera.p1}, {"p2", camera.p2}, {"k3", camera.k3}};
-}
-
-Report RigReport(const StereoRig& rig) {
-  const auto rotation_deg =
-      Eigen::Vector3d(180.0 / std::numbers::pi * LogRotation(rig.right_from_left.rotation));
-  return {{"left", CameraReport(rig.left.camera)},
-          {"right", CameraReport(rig.right.camera)},
-          {"right_from_left_deg", {rotation_deg.x(), rotation_deg.y(), rotation_deg.z()}},
-          {"baseline_m", rig.Baseline()}};
-}
-
-// How the rig was corrected: the turn of the right eye about its own axes, the focal lengths'
-// change, what that moves in the right image; and how well the rig in use is known.
-Report DescribeRigChange(const StereoRig& calibrated, const Adjustment& adjustment) {
-  const StereoRig& used = adjustment.rig;
-  const Eigen::Vector3d turn_deg =
-      180.0 / std::numbers::pi *
-      LogRotation(used.right_from_left.rotation * calibrated.right_from_left.rotation.conjugate());
-  const double focal_pct = 100.0 * (used.left.camera.fx / calibrated.left.camera.fx - 1.0);
-  return {{"refined", adjustment.IsRigCorrected()},
-          {"parameters", NameOf(adjustment.refined)},
-          {"right_eye_turned_deg", {turn_deg.x(), turn_deg.y(), turn_deg.z()}},
-          {"focal_changed_pct", focal_pct},
-          {"largest_shift_px", adjustment.correction_px},
-          {"infinity_offset_px", adjustment.infinity_offset_px},
-          {"infinity_offset_sigma_px", adjustment.infinity_offset_sigma_px},
-          {"prior_factor", adjustment.prior_factor},
-          {"given", RigReport(calibrated)},
-          {"used", RigReport(used)}};
 }
 
 Report ReportAdjusted(const AdjustedPart& part, const Dataset& dataset, const DatasetContent&,

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <nlohmann/json.hpp>
+#include <numbers>
 
 #include "core/error.h"
 #include "core/file.h"
@@ -62,6 +63,21 @@ PartCalibration ReadPart(const Json& part, const std::filesystem::path& path) {
   return read;
 }
 
+Report CameraReport(const Camera& camera) {
+  return {{"fx", camera.fx}, {"fy", camera.fy}, {"cx", camera.cx},
+          {"cy", camera.cy}, {"k1", camera.k1}, {"k2", camera.k2},
+          {"p1", camera.p1}, {"p2", camera.p2}, {"k3", camera.k3}};
+}
+
+Report RigReport(const StereoRig& rig) {
+  const auto rotation_deg =
+      Eigen::Vector3d(180.0 / std::numbers::pi * LogRotation(rig.right_from_left.rotation));
+  return {{"left", CameraReport(rig.left.camera)},
+          {"right", CameraReport(rig.right.camera)},
+          {"right_from_left_deg", {rotation_deg.x(), rotation_deg.y(), rotation_deg.z()}},
+          {"baseline_m", rig.Baseline()}};
+}
+
 }  // namespace
 
 void PublishCalibration(const Dataset& dataset, const DatasetContent& content,
@@ -98,6 +114,24 @@ std::optional<PartCalibration> ReadCalibration(const std::filesystem::path& out)
     throw DataError(fmt::format("{}: expected what rigmap part writes there, found something else",
                                 path.string()));
   }
+}
+
+Report DescribeRigChange(const StereoRig& calibrated, const Adjustment& adjustment) {
+  const StereoRig& used = adjustment.rig;
+  const Eigen::Vector3d turn_deg =
+      180.0 / std::numbers::pi *
+      LogRotation(used.right_from_left.rotation * calibrated.right_from_left.rotation.conjugate());
+  const double focal_pct = 100.0 * (used.left.camera.fx / calibrated.left.camera.fx - 1.0);
+  return {{"refined", adjustment.IsRigCorrected()},
+          {"parameters", NameOf(adjustment.refined)},
+          {"right_eye_turned_deg", {turn_deg.x(), turn_deg.y(), turn_deg.z()}},
+          {"focal_changed_pct", focal_pct},
+          {"largest_shift_px", adjustment.correction_px},
+          {"infinity_offset_px", adjustment.infinity_offset_px},
+          {"infinity_offset_sigma_px", adjustment.infinity_offset_sigma_px},
+          {"prior_factor", adjustment.prior_factor},
+          {"given", RigReport(calibrated)},
+          {"used", RigReport(used)}};
 }
 
 }  // namespace rigmap

@@ -1,5 +1,5 @@
-// What a part says of its rig's calibration, as calibration.json, so that parts of one rig can be
-// put together.
+// What a part says of its rig's calibration: as calibration.json, so that parts of one rig can be
+// put together, and in summary.json.
 #pragma once
 
 #include <filesystem>
@@ -27,5 +27,9 @@ void PublishCalibration(const Dataset& dataset, const DatasetContent& content,
 // Of a result folder; nothing where the part tells nothing of its rig. Throws DataError where there
 // is no such file, or it cannot be understood.
 std::optional<PartCalibration> ReadCalibration(const std::filesystem::path& out);
+
+// For summary.json, how the rig was corrected: the turn of the right eye about its own axes, the
+// focal lengths' change, what that moves in the right image; and how well the rig in use is known.
+Report DescribeRigChange(const StereoRig& calibrated, const Adjustment& adjustment);
 
 }  // namespace rigmap
