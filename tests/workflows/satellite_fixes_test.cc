@@ -113,6 +113,12 @@ TEST_F(SatelliteFixes, AJumpIsLeftOut) {
   const Outcome outcome = Tie();
   ASSERT_TRUE(outcome.report["used"]) << outcome.report.dump();
   EXPECT_GE(outcome.report["not_believed"].get<int>(), 4);
+  const json& spans = outcome.report["not_believed_spans"];
+  ASSERT_EQ(spans.size(), 1U) << spans.dump();
+  EXPECT_EQ(spans[0]["count"], outcome.report["not_believed"]);
+  EXPECT_NEAR(1e-9 * spans[0]["first_ns"].get<double>(), 60.0, 3.0);
+  EXPECT_NEAR(1e-9 * spans[0]["last_ns"].get<double>(), 69.0, 3.0);
+  EXPECT_TRUE(outcome.report["gaps"].empty());
   EXPECT_LT(outcome.error_m, 2.0 * good_m);
 }
 
@@ -135,6 +141,10 @@ TEST_F(SatelliteFixes, AGapIsBridgedByTheImages) {
   });
   const Outcome outcome = Tie();
   ASSERT_TRUE(outcome.report["used"]) << outcome.report.dump();
+  const json& gaps = outcome.report["gaps"];
+  ASSERT_EQ(gaps.size(), 1U) << gaps.dump();
+  EXPECT_LE(gaps[0]["first_ns"], 70'000'000'000);
+  EXPECT_GE(gaps[0]["last_ns"], 130'000'000'000);
   EXPECT_LT(outcome.error_m, 3.0 * good_m);
 }
 

@@ -6,6 +6,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <optional>
 
 #include "core/error.h"
@@ -15,12 +16,14 @@
 #include "pipeline/code_identity.h"
 #include "pose_graph/fuse_fixes.h"
 #include "workflows/stages/fix_clocks.h"
+#include "workflows/stages/fix_stretches.h"
 
 namespace rigmap {
 namespace {
 
 constexpr StampNs kTurn_ns = 10'000'000'000;
 constexpr std::size_t kFewestJudges = 4;  // as many as are needed to tie
+
 double SecondsBetween(StampNs from_ns, StampNs to_ns) {
   return 1e-9 * static_cast<double>(to_ns - from_ns);
 }
@@ -77,6 +80,10 @@ class FixTie {
     report_["judging"] = fixes_.judging.size();
     report_["split"] = "by turns of ten seconds with fixes: the even ones tie, the odd ones judge";
     report_["not_rtk_fixed"] = std::ranges::count_if(fixes_.tying, is_float);
+    std::vector<StampNs> stamps = StampsOfFixed(fixes_.tying);
+    std::ranges::move(StampsOfFixed(fixes_.judging), std::back_inserter(stamps));
+    std::ranges::sort(stamps);
+    report_["gaps"] = GapsBetween(stamps);
     report_["clocks"] = clocks_.Describe();
   }
 
@@ -167,6 +174,7 @@ class FixTie {
   void Describe(const FusedFixes& fused) {
     report_["believed"] = std::ranges::count(fused.used, 1);
     report_["not_believed"] = std::ranges::count(fused.used, 0);
+    report_["not_believed_spans"] = StretchesNotUsed(StampsOfFixed(fixes_.tying), fused.used);
     report_["scale_correction_pct"] = 100.0 * (fused.scale - 1.0);
     report_["clock_offset_s"] = whole_.alignment->clock_offset_s + fused.clock_offset_s;
     report_["fix_noise_factor"] = fused.fix_noise_factor;

@@ -1,0 +1,22 @@
+// Stretches of satellite fixes, by their stamps.
+#pragma once
+
+#include <vector>
+
+#include "pipeline/stage.h"
+#include "scene/dataset.h"
+
+namespace rigmap {
+
+// Of those that are RTK_FIXED, in their order.
+std::vector<StampNs> StampsOfFixed(const std::vector<GnssFix>& fixes);
+
+// Where there is none for more than two and a half usual steps, whoever has left them out: a list
+// of first_ns, last_ns, the stamps on either side. Stamps are in order of time.
+Report GapsBetween(const std::vector<StampNs>& stamps);
+
+// Of fixes at these times, those one after the other that were not used: a list of first_ns,
+// last_ns and count.
+Report StretchesNotUsed(const std::vector<StampNs>& stamps, const std::vector<char>& used);
+
+}  // namespace rigmap
