@@ -61,15 +61,22 @@ def run_simulator(build, arguments):
         raise Failure('simulator', run)
 
 
-def reconstruct(dataset, result, build, options, parts=1, rig=None):
-    """Up to the adjustment, anew, in so many parts, with that rig file or the data set's. The exit
-    code, 0 or 3, and the last line of what was said."""
+# Where a technique has its poses.
+LAST_STAGE = {'rig': 'adjustment', 'wheels': 'dead_reckoning', 'filter': 'filter'}
+
+
+def reconstruct(dataset, result, build, options, parts=1, rig=None, technique='rig'):
+    """Up to the poses, anew, in so many parts, with that rig file or the data set's. The exit code,
+    0 or 3, and the last line of what was said."""
     shutil.rmtree(result, ignore_errors=True)
     command = ['part'] if parts == 1 else ['run', '--split', str(parts)]
     if rig:
         command += ['--rig', rig]
+    if technique != 'rig':
+        command += ['--technique', technique]
     run = subprocess.run([build / 'rigmap', *command, '--dataset', dataset, '--out', result,
-                          '--until', 'adjustment', '--threads', '1', '--quiet',
+                          '--until', LAST_STAGE.get(technique, 'trajectory'), '--threads', '1',
+                          '--quiet',
                           *repeat('--set', options)], capture_output=True, text=True)
     if run.returncode not in (0, 3):
         raise Failure('rigmap', run)

@@ -169,6 +169,33 @@ TEST_F(EstimateMotionTest, ASharpTurnIsFollowedByVisionAlone) {
   EXPECT_LT(OffM(motion, rover_, 11), 0.01) << "m";
 }
 
+// A drive whose sensors are off as the options have them.
+DrivenRover NoisyDrive(const DeadReckoningOptions& options, SeededRandom& random) {
+  DrivenRover rover = DriveRover(20, Meander);
+  Slip(0, 19, random.Normal(options.wheel_scale_sigma), rover.dataset);
+  const Eigen::Vector3d bias = random.Noise(options.gyro_bias_sigma_radps);
+  const double gyro_scale = 1.0 + random.Normal(options.gyro_scale_sigma);
+  for (InertialSample& sample : rover.dataset.inertial.samples) {
+    const bool drives = sample.stamp_ns > rover.dataset.frames.front().stamp_ns;
+    const double density = drives ? options.gyro_driving_noise_radps : options.gyro_noise_radps;
+    sample.angular_rate_radps =
+        gyro_scale * sample.angular_rate_radps + bias + random.Noise(density / std::sqrt(0.008));
+  }
+  for (InclinometerSample& sample : rover.dataset.inclinometer) {
+    sample.acceleration_in_imu += 9.81 * random.Noise(options.inclinometer_sigma_rad);
+  }
+  return rover;
+}
+
+// Of position and rotation.
+Vector6d ErrorOf(const EstimatedMotion& motion, const DrivenRover& rover, std::size_t frame) {
+  const Rigid3 &truth = rover.gauge_from_left[frame], &found = motion.poses[frame].gauge_from_left;
+  Vector6d off;
+  off << truth.translation - found.translation,
+      LogRotation(truth.rotation * found.rotation.conjugate());
+  return off;
+}
+
 // Errors drawn as the options have them are as large as the covariances say.
 TEST_F(EstimateMotionTest, SigmasAreHonest) {
   constexpr int kDrives = 40;
@@ -176,32 +203,49 @@ TEST_F(EstimateMotionTest, SigmasAreHonest) {
   SeededRandom random;
   double squared = 0.0;
   for (int i = 0; i < kDrives; ++i) {
-    DrivenRover rover = DriveRover(20, Meander);
-    Slip(0, 19, random.Normal(options.wheel_scale_sigma), rover.dataset);
-    const Eigen::Vector3d bias = random.Noise(options.gyro_bias_sigma_radps);
-    const double gyro_scale = 1.0 + random.Normal(options.gyro_scale_sigma);
-    for (InertialSample& sample : rover.dataset.inertial.samples) {
-      const bool drives = sample.stamp_ns > rover.dataset.frames.front().stamp_ns;
-      const double density = drives ? options.gyro_driving_noise_radps : options.gyro_noise_radps;
-      sample.angular_rate_radps =
-          gyro_scale * sample.angular_rate_radps + bias + random.Noise(density / std::sqrt(0.008));
-    }
-    for (InclinometerSample& sample : rover.dataset.inclinometer) {
-      sample.acceleration_in_imu += 9.81 * random.Noise(options.inclinometer_sigma_rad);
-    }
+    const DrivenRover rover = NoisyDrive(options, random);
     const auto motion = EstimateMotion(rover.dataset, {}, options, FilterOptions());
-    const Vector6d error = [&] {
-      Vector6d off;
-      off << rover.gauge_from_left[19].translation - motion.poses[19].gauge_from_left.translation,
-          LogRotation(rover.gauge_from_left[19].rotation *
-                      motion.poses[19].gauge_from_left.rotation.conjugate());
-      return off;
-    }();
+    const Vector6d error = ErrorOf(motion, rover, 19);
     squared += error.dot(motion.poses[19].covariance.ldlt().solve(error)) / 6.0 / kDrives;
   }
   // Slip from metre to metre, contact point and direction of travel are without error here.
   EXPECT_GT(squared, 0.3);
   EXPECT_LT(squared, 1.2);
+}
+
+// With images as noisy as they say, three seconds of slip and, in every second drive, none seen
+// for five seconds at another time.
+TEST_F(EstimateMotionTest, FilteredPosesLieWithinTheirSigmasThroughBurstsAndGaps) {
+  constexpr int kDrives = 30;
+  const DeadReckoningOptions options = WithoutSlip();
+  filter_.vision_scale_sigma = 0.0;
+  SeededRandom random;
+  int within_three = 0, poses = 0;
+  double squared = 0.0;
+  for (int i = 0; i < kDrives; ++i) {
+    DrivenRover rover = NoisyDrive(options, random);
+    Slip(4, 7, random.Uniform(0.3, 0.6), rover.dataset);
+    std::vector<VisualStep> steps = AllSteps(rover);
+    for (VisualStep& step : steps) {
+      const Vector6d sigmas = step.covariance.diagonal().cwiseSqrt();
+      const Rigid3 noise{ExpRotation(random.Noise(sigmas[3])), random.Noise(sigmas[0])};
+      step.to_from_from = noise * step.to_from_from;
+    }
+    if (i % 2 == 0) {
+      std::erase_if(steps, [](const VisualStep& step) { return step.to > 11 && step.to <= 16; });
+    }
+    const EstimatedMotion motion = EstimateMotion(rover.dataset, steps, options, filter_);
+    for (std::size_t frame = 1; frame < motion.poses.size(); ++frame) {
+      const Vector6d over =
+          ErrorOf(motion, rover, frame)
+              .cwiseQuotient(motion.poses[frame].covariance.diagonal().cwiseSqrt());
+      within_three += over.cwiseAbs().maxCoeff() <= 3.0 ? 1 : 0;
+      squared += over.squaredNorm() / 6.0;
+      ++poses;
+    }
+  }
+  EXPECT_GE(within_three, 0.97 * poses);
+  EXPECT_GT(squared / poses, 0.3) << "sigmas are not merely large";
 }
 
 TEST_F(EstimateMotionTest, ARigWithoutAnImuIsRefused) {

@@ -156,8 +156,6 @@ TEST_F(CalibrateTest, RefusesWhatCountsTwiceOrIsOfAnotherRig) {
   EXPECT_THAT(Complaint({a, Part("c", {"c"}, {other, {}})}), HasSubstr("found another"));
 }
 
-// The file that both halves of a drive tell gives each what the other one told, wherever its images
-// lie, and all to a third.
 TEST(RigOut, ReplacesNothingButARigFile) {
   const TemporaryFolder folder;
   const fs::path data = WriteTestFile(folder.Path() / "times.txt", "1 2 3\n");
@@ -173,6 +171,8 @@ TEST(RigOut, ReplacesNothingButARigFile) {
   EXPECT_THAT(refusal(folder.Path() / "rig.yaml"), HasSubstr("part: expected calibration.json"));
 }
 
+// The file that both halves of a drive tell gives each what the other one told, wherever its images
+// lie, and all to a third.
 TEST(CalibratedParts, TakeThePriorWithoutTheirOwnImages) {
   const TemporaryFolder folder;
   const fs::path data = CopyOfSimulatedPart(folder.Path()), moved = folder.Path() / "moved",

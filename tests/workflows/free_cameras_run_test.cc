@@ -1,5 +1,5 @@
-// The technique sfm on the simulated part: COLMAP alone, whose own figures do not tell that it is
-// wrong.
+// The techniques sfm and combined on the simulated part: COLMAP alone, whose own figures do not
+// tell that it is wrong, and clouds laid on its poses.
 #include <gmock/gmock.h>
 
 #include <nlohmann/json.hpp>
@@ -34,6 +34,26 @@ TEST(FreeCamerasRun, CountsTheFocalLengthsThatColmapChanged) {
     EXPECT_LE(metrics["scale_error_pct"], stated);
   }
   EXPECT_EQ(metrics["frames"], 8);
+}
+
+TEST(FreeCamerasRun, CombinedLaysCloudsOnTheSamePoses) {
+  const TemporaryFolder folder;
+  const auto sfm = folder.Path() / "sfm", combined = folder.Path() / "combined";
+  RunRigmap({"part", "--dataset", SimulatedPartFolder(), "--technique", "sfm", "--until",
+             "trajectory", "--out", sfm, "--quiet"});
+  // The same folder goes on, so that both have what COLMAP has drawn by chance.
+  std::filesystem::copy(
+      sfm, combined,
+      std::filesystem::copy_options::recursive | std::filesystem::copy_options::copy_symlinks);
+  const ProgramEnd end = RunRigmap({"part", "--dataset", SimulatedPartFolder(), "--technique",
+                                    "combined", "--out", combined, "--quiet"});
+  ASSERT_TRUE(end.exit_code == 0 || end.exit_code == 3) << end.err;
+  EXPECT_EQ(ReadTextFile(combined / "trajectory.tum"), ReadTextFile(sfm / "trajectory.tum"));
+  EXPECT_FALSE(std::filesystem::exists(sfm / "dense.ply"));
+  const json summary = json::parse(ReadTextFile(combined / "summary.json"));
+  EXPECT_EQ(summary["technique"], "combined");
+  EXPECT_TRUE(summary["gates"].dump().find("depth_bias_px") != std::string::npos);
+  EXPECT_TRUE(std::filesystem::exists(combined / "dense.ply"));
 }
 
 }  // namespace

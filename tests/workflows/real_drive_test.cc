@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstdlib>
 #include <fstream>
+#include <iterator>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
@@ -106,6 +107,52 @@ TEST_F(RealDrive, OfEveryOtherKeyframeInARoomLosesNone) {
       CompareTrajectories(Poses(), ReadTum(data_ / "euroc-room" / "groundtruth_tum.txt"));
   ASSERT_TRUE(metrics.aligned);
   EXPECT_LE(100.0 * metrics.aligned->ate_se3_m / metrics.true_path_m, 0.08);
+}
+
+// What a motion between two poses is off from the true one, metres.
+double StepError_m(const std::vector<TumPose>& found, const std::vector<TumPose>& truth,
+                   std::size_t from, std::size_t to) {
+  const auto at = [&](std::size_t i) -> const Rigid3& {
+    return std::ranges::min_element(
+               truth, {},
+               [&](const TumPose& pose) { return std::abs(pose.stamp_ns - found[i].stamp_ns); })
+        ->world_from_body;
+  };
+  const Rigid3 step = found[from].world_from_body.Inverse() * found[to].world_from_body;
+  return (step.translation - (at(from).Inverse() * at(to)).translation).norm();
+}
+
+// Driven a minute and a half after each other; rendered.
+TEST_F(RealDrive, ThatWasBrokenOffIsJoinedWithoutAStep) {
+  const fs::path beach = data_ / "beach-dev", truth = beach / "truth";
+  const ProgramEnd end = RunRigmap({"run", "--dataset", beach, "--traverse", "3", "--truth", truth,
+                                    "--until", "steps", "--out", out_, "--quiet"});
+  ASSERT_EQ(end.exit_code, 0) << end.err;
+  const json metrics = json::parse(RunRigmap({"evaluate", out_, "--truth", truth, "--json"}).out);
+  EXPECT_LE(metrics["ate_se3_pct"].get<double>(), 0.03);
+  EXPECT_LE(metrics["ate_se3_m"], metrics["steps"]["parts"]["ate_se3_m"]);
+  const std::size_t seam = ReadTum(out_ / "parts" / "1" / "trajectory.tum").size();
+  const std::vector<TumPose> found = Poses();
+  ASSERT_LT(seam, found.size());
+  std::vector<TumPose> expected = ReadTum(truth / "Part1" / "trajectory.tum");
+  std::ranges::copy(ReadTum(truth / "Part2" / "trajectory.tum"), std::back_inserter(expected));
+  EXPECT_LE(StepError_m(found, expected, seam - 1, seam), 0.003);
+}
+
+TEST_F(RealDrive, ThatIsCutIsJoinedAsIfItWereOne) {
+  const auto rms_m = [&](const fs::path& out) {
+    const auto end = RunRigmap({"evaluate", out, "--truth", data_ / "sand-line", "--json"});
+    return json::parse(end.out)["rms_se2_m"].get<double>();
+  };
+  const fs::path whole = folder_.Path() / "whole";
+  const ProgramEnd one = RunRigmap({"part", "--dataset", data_ / "sand-line", "--until",
+                                    "adjustment", "--out", whole, "--quiet"});
+  ASSERT_EQ(one.exit_code, 0) << one.err;
+  const ProgramEnd two = RunRigmap({"run", "--dataset", data_ / "sand-line", "--split", "2",
+                                    "--until", "adjustment", "--out", out_, "--quiet"});
+  ASSERT_EQ(two.exit_code, 0) << two.err;
+  EXPECT_EQ(Summary()["worlds"].size(), 1U);
+  EXPECT_LE(rms_m(out_), std::max(1.2 * rms_m(whole), rms_m(whole) + 0.001));
 }
 
 // Held by hand over flagstones and leaves, 320 x 240, distorted. Another program's odometry is the

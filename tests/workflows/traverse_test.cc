@@ -68,7 +68,20 @@ TEST_F(TraverseTest, PartsBecomeOneWorld) {
   EXPECT_LT(evaluation["ate_se3_m"], 0.005);  // over 2.1 m
   EXPECT_EQ(evaluation["steps"]["parts"]["frames"], 8);
   EXPECT_TRUE(fs::exists(out_ / "dense.ply"));
-  EXPECT_TRUE(fs::exists(out_ / "posegraph.g2o"));
+  const ProgramEnd read = RunProgram(kPython, {RIGMAP_G2O_READER, out_ / "posegraph.g2o"});
+  ASSERT_EQ(read.exit_code, 0) << read.err;
+  const json graph = json::parse(read.out);
+  EXPECT_EQ(graph["vertices"], 8);
+  EXPECT_GE(graph["edges"], 7);
+  EXPECT_EQ(graph["groups"], 1);
+  EXPECT_LT(graph["worst_m"], 0.01);
+  for (const char* eye : {"left", "right"}) {
+    const auto images = FilesIn(out_ / "colmap" / "images" / eye);
+    EXPECT_EQ(images.size(), 8U);
+    for (const std::string& image : images) {
+      EXPECT_TRUE(fs::exists(out_ / "colmap" / "images" / eye / image)) << image;
+    }
+  }
 
   const ProgramEnd judged = RunRigmap({"evaluate", out_, "--truth", truth, "--json"});
   EXPECT_EQ(json::parse(judged.out)["ate_se3_m"], evaluation["ate_se3_m"]) << judged.err;

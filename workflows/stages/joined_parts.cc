@@ -8,6 +8,7 @@
 
 #include "core/disjoint_sets.h"
 #include "pipeline/code_identity.h"
+#include "workflows/stages/database.h"
 #include "workflows/stages/odometry.h"
 
 namespace rigmap {
@@ -26,6 +27,12 @@ FeatureIndex MakeFeatures(const StageContext& context, const Dataset& dataset,
 
 bool AreFeaturesThere(const StageContext& context, const FeatureIndex& index) {
   return AreThere(context.root, index.files);
+}
+
+// Where the names of the images in sparse/ lead to.
+void PublishImages(Publication& publication, const StageContext&, const FeatureIndex&,
+                   const Dataset& dataset, const JoinedParts&) {
+  LinkImages(dataset, publication.Path("colmap/images"));
 }
 
 Report ReportFeatures(const FeatureIndex& index, const Dataset&, const JoinedParts&) {
@@ -213,6 +220,8 @@ JoinedFeaturesStage JoinedFeatures() {
           .about = "keypoints as the parts found them",
           .code = CodeHere(),
           .make = MakeFeatures,
+          .publishes = {"colmap/images"},
+          .publish = PublishImages,
           .is_whole = AreFeaturesThere,
           .report = ReportFeatures};
 }
