@@ -40,7 +40,8 @@ void AddHow(CLI::App* command, PartArguments& a) {
       "--accuracy", a.accuracy_pct,
       "Per cent of the path that scale and positions must be good to (95 %); default 1");
   command->add_option("--threads", a.threads, "Threads; default: one per core");
-  command->add_option("--memory", a.memory_mb, "Megabytes that the process may take; depth and fusion keep to it");
+  command->add_option("--memory", a.memory_mb,
+                      "Megabytes that the process may take; depth and fusion keep to it");
   command->add_option("--truth", a.truth, "TUM file, track of a prism, or folder with one");
   command->add_flag("--quiet", a.quiet, "No progress, errors only");
 }
