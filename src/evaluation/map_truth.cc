@@ -112,6 +112,8 @@ std::optional<MapTruth> ReadMapTruth(const std::vector<fs::path>& folders) {
     }
   }
   std::ranges::stable_sort(truth.path, {}, &TumPose::stamp_ns);
+  const auto repeated = std::ranges::unique(truth.path, {}, &TumPose::stamp_ns);
+  truth.path.erase(repeated.begin(), repeated.end());
   return truth;
 }
 

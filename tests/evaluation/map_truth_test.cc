@@ -63,7 +63,7 @@ TEST_F(ReadMapTruthTest, PartsAreOneSurfaceWithPointsOfBothOnce) {
   TrueSurface other = TwoPoints();
   other.x_in_truth[0].x() = 7.0F;
   other.visible = {0, 1};
-  folder_.Write("Part2/trajectory.tum", "0.5 0 0 1 0 0 0 1\n");
+  folder_.Write("Part2/trajectory.tum", "0.5 0 0 1 0 0 0 1\n1.0 0 0 1 0 0 0 1\n");
   folder_.Write("Part2/surface.ply", SurfacePly(other, 0));
   const auto truth = ReadMapTruth({Part(), folder_.Path() / "Part2"});
   ASSERT_TRUE(truth);
