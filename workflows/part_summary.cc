@@ -50,6 +50,7 @@ Report Blank() {
         {"infinity_offset_px", nullptr},
         {"infinity_offset_sigma_px", nullptr},
         {"prior_factor", nullptr},
+        {"lens_field_rms_px", nullptr},
         {"given", nullptr},
         {"used", nullptr}}},
       {"gates", Report::array()},

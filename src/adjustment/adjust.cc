@@ -14,6 +14,8 @@
 #include "adjustment/internal/bundle.h"
 #include "adjustment/internal/camera_system.h"
 #include "adjustment/internal/datum_frames.h"
+#include "adjustment/internal/lens_description.h"
+#include "adjustment/internal/pose_sigmas.h"
 #include "core/statistics.h"
 #include "correspondence/tracks.h"
 
@@ -44,6 +46,7 @@ class Adjuster {
         options_(options),
         tracks_(CutTracks(BuildTracks(input.correspondences, false), input.apart)),
         bundle_{.rig = Corrected(input.rig, input.correction)},
+        lens_(input.rig),
         prior_(PriorOf(input.rig, options)),
         refined_(input.refined),
         correction_(input.correction) {
@@ -64,6 +67,9 @@ class Adjuster {
     constexpr int kMaxCorrections = 16;
     for (int i = 0; i < kMaxCorrections && CorrectRig(); ++i) adjust(kRoughTolerance);
     const bool is_final = !input_.is_provisional || correction_.isZero();
+    if (is_final) {
+      for (int i = 0; i < kMaxCorrections && DescribeLens(); ++i) adjust(kRoughTolerance);
+    }
     adjust(is_final ? kFineTolerance : kRoughTolerance);
     return Result(SolveSystem());
   }
@@ -84,8 +90,9 @@ class Adjuster {
   }
 
   Linearisation Linearised() const {
-    return {bundle_.points, bundle_.left_from_world, bundle_.rig, noise_px_,
-            options_.huber_sigmas * noise_px_};
+    return {bundle_.points,     bundle_.left_from_world,           bundle_.rig,
+            noise_px_,          options_.huber_sigmas * noise_px_, lens_.Field(),
+            lens_.Information()};
   }
 
   CameraSystemResult SolveSystem() const {
@@ -122,6 +129,45 @@ class Adjuster {
     return MoveRig(input_.is_provisional ? kRoughlySettled : kSettled, *solution, prior);
   }
 
+  // What is left in the residuals and the same in all frames. False, with nothing changed, where
+  // there is no such thing, and once it has settled.
+  bool DescribeLens() {
+    constexpr double kSettledPx = 0.005;
+    if (options_.refine_rig != RigRefinement::kAuto || PathExtent() < bundle_.rig.Baseline()) {
+      return false;
+    }
+    const bool is_new = !lens_.Field();
+    if (is_new && !lens_.Begin(Linearised(), options_)) return false;
+    const auto solution = SolveCalibration(Linearised());
+    if (!solution) return false;
+    const CalibrationPrior prior =
+        AsGoodAsFound(prior_, correction_, solution->equations, options_);
+    const auto better = MostProbable(refined_, correction_, solution->equations, prior, options_);
+    const CalibrationVector step =
+        better ? CalibrationVector(better->correction - correction_) : CalibrationVector::Zero();
+    if (!is_new && FieldStep(*solution, step).cwiseAbs().maxCoeff() < kSettledPx) return false;
+    lens_.TakeSigma(Linearised(), *solution, prior, correction_, options_);
+    Follow(*solution, step);
+    return true;
+  }
+
+  static Eigen::VectorXd FieldStep(const CalibrationSolution& solution,
+                                   const CalibrationVector& step) {
+    const FieldResponse& response = solution.field->response;
+    return response.step + response.by_calibration * step;
+  }
+
+  // Moves the rig, the poses and the lens's field with it.
+  void Follow(const CalibrationSolution& solution, const CalibrationVector& step) {
+    correction_ += step;
+    bundle_.rig = Corrected(input_.rig, correction_);
+    for (std::size_t i = 0; i < bundle_.left_from_world.size(); ++i) {
+      auto& pose = bundle_.left_from_world[i];
+      if (pose) pose = Moved(*pose, solution.responses[i], step);
+    }
+    if (solution.field) lens_.Move(FieldStep(solution, step));
+  }
+
   // To the most probable correction with the parameters of `refined_` free, the poses following;
   // false if no parameter is further from it than `settled` sigmas.
   bool MoveRig(double settled, const CalibrationSolution& solution, const CalibrationPrior& prior) {
@@ -131,12 +177,7 @@ class Adjuster {
     const CalibrationVector step = better->correction - correction_;
     const CalibrationVector sigmas = better->covariance.diagonal().cwiseSqrt();
     if ((step.array().abs() <= settled * sigmas.array()).all()) return false;
-    correction_ = better->correction;
-    bundle_.rig = Corrected(input_.rig, correction_);
-    for (std::size_t i = 0; i < bundle_.left_from_world.size(); ++i) {
-      auto& pose = bundle_.left_from_world[i];
-      if (pose) pose = Moved(*pose, solution.responses[i], step);
-    }
+    Follow(solution, step);
     spdlog::info("rig corrected, in sigmas of the prior, by {:.3f}",
                  fmt::join(correction_.cwiseQuotient(prior_.sigmas), " "));
     return true;
@@ -144,7 +185,8 @@ class Adjuster {
 
   std::vector<AdjustedPoint> TriangulateWithin(double max_error_px) const {
     return TriangulateTracks(tracks_, input_.correspondences, bundle_.rig, bundle_.left_from_world,
-                             max_error_px, options_.max_depth_baselines * bundle_.rig.Baseline());
+                             max_error_px, options_.max_depth_baselines * bundle_.rig.Baseline(),
+                             lens_.Field());
   }
 
   double Redundancy() const {
@@ -188,38 +230,6 @@ class Adjuster {
     DropThinFrames();
   }
 
-  // Sigmas grown along and about the left camera's axes, correlations kept.
-  Matrix6d Inflated(const Matrix6d& covariance, std::size_t frame,
-                    const CameraSystemResult& system) const {
-    Matrix6d left_from_world = Matrix6d::Zero();
-    left_from_world.topLeftCorner<3, 3>() = left_from_world.bottomRightCorner<3, 3>() =
-        bundle_.left_from_world[frame]->rotation.toRotationMatrix();
-    const Matrix6d grow = options_.shared_noise * left_from_world.transpose() *
-                          system.inflations[frame].asDiagonal() * left_from_world;
-    return grow * covariance * grow.transpose();
-  }
-
-  std::vector<Matrix6d> InflatedCovariances(const CameraSystemResult& system,
-                                            const CalibrationMatrix& of_calibration) const {
-    std::vector<Matrix6d> covariances = system.covariances;
-    for (std::size_t i = 0; i < covariances.size(); ++i) {
-      if (!bundle_.left_from_world[i]) continue;
-      covariances[i] = Inflated(covariances[i], i, system);
-      if (system.by_calibration.empty()) continue;
-      covariances[i] +=
-          system.by_calibration[i] * of_calibration * system.by_calibration[i].transpose();
-    }
-    return covariances;
-  }
-
-  std::vector<std::optional<Matrix6d>> InflatedLinks(const CameraSystemResult& system) const {
-    std::vector<std::optional<Matrix6d>> links = system.link_covariances;
-    for (std::size_t i = 0; i < links.size(); ++i) {
-      if (links[i]) links[i] = Inflated(*links[i], i, system);
-    }
-    return links;
-  }
-
   // That of the rig file, as the images find it.
   CalibrationPrior PriorAsFound(const CameraSystemResult& system) const {
     if (!system.calibration) return prior_;
@@ -246,8 +256,9 @@ class Adjuster {
     const CalibrationPrior prior = PriorAsFound(system);
     result.prior_factor = prior.sigmas(kLogFocal) / prior_.sigmas(kLogFocal);
     const CalibrationMatrix of_calibration = ErrorOfCalibration(system, prior);
-    result.covariances = InflatedCovariances(system, of_calibration);
-    result.link_covariances = InflatedLinks(system);
+    result.covariances =
+        InflatedCovariances(system, bundle_.left_from_world, options_.shared_noise, of_calibration);
+    result.link_covariances = InflatedLinks(system, bundle_.left_from_world, options_.shared_noise);
     result.by_calibration = std::move(system.by_calibration);
     result.calibration_covariance = of_calibration;
     if (system.scale) {
@@ -268,6 +279,7 @@ class Adjuster {
     if (system.calibration) {
       result.calibration_inflation = Inflation(*system.calibration, options_);
     }
+    result.lens_field_rms_px = lens_.Field() == nullptr ? 0.0 : lens_.Field()->RmsPx();
     result.rig = bundle_.rig;
     result.rig_correction = correction_;
     result.rig_correction_sigmas = correction_.cwiseQuotient(prior_.sigmas);
@@ -283,6 +295,7 @@ class Adjuster {
   const AdjustmentOptions& options_;
   std::vector<Track> tracks_;
   Bundle bundle_;
+  LensDescription lens_;
   CalibrationPrior prior_;
   RigRefinement refined_;
   CalibrationVector correction_;

@@ -64,9 +64,12 @@ std::optional<std::ptrdiff_t> WorstBeyond(double max_error_px, const AdjustedPoi
 
 // All observations of a track in frames that have a pose, but for pixels without a ray.
 ViewedPoint Observe(const Track& track, const Correspondences& correspondences,
-                    const PosedFrames& frames) {
+                    const PosedFrames& frames, const LensField* field) {
   ViewedPoint seen;
-  const auto add = [&](const PointObservation& observation) {
+  const auto add = [&](PointObservation observation) {
+    if (field != nullptr) {
+      observation.pixel += field->Displacement(observation.eye, observation.pixel);
+    }
     const auto view = frames.ViewOf(observation);
     if (!view) return;
     seen.point.observations.push_back(observation);
@@ -120,11 +123,11 @@ bool IsDetermined(const AdjustedPoint& point, const StereoRig& rig,
 std::vector<AdjustedPoint> TriangulateTracks(
     const std::vector<Track>& tracks, const Correspondences& correspondences, const StereoRig& rig,
     const std::vector<std::optional<Rigid3>>& left_from_world, double max_error_px,
-    double max_depth_m) {
+    double max_depth_m, const LensField* field) {
   const PosedFrames frames(rig, left_from_world);
   std::vector<std::optional<AdjustedPoint>> found(tracks.size());
   tbb::parallel_for(std::size_t{0}, tracks.size(), [&](std::size_t i) {
-    ViewedPoint seen = Observe(tracks[i], correspondences, frames);
+    ViewedPoint seen = Observe(tracks[i], correspondences, frames, field);
     if (!TriangulatePoint(seen, frames, max_error_px)) return;
     AdjustedPoint& point = seen.point;
     if (!IsDetermined(point, rig, left_from_world)) return;

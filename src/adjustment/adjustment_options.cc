@@ -46,6 +46,12 @@ OptionFields AdjustmentOptions::Fields() {
        "itself: rotation, principal points and distortion can make up for each other where the "
        "board was, and not where it was not. Noise of its corners in 25 views; of the size by "
        "which two calibrations of one rig differed."},
+      {"lens_field_px", &lens_field_px, "px", AtLeast(0.0),
+       "What a lens does beyond its model: with refine_rig auto, where stretches of the part that "
+       "were left out fit better with it, residuals that are the same in all frames are taken out "
+       "by displacements of the pixels of each eye, bilinear over a grid of ten cells along the "
+       "image. Their sigma is the part's own, at most this: residuals of calibrations with a board "
+       "are larger. 0: never."},
   };
   const OptionFields residuals = {
       {"huber_sigmas", &huber_sigmas, "robust sigmas", MoreThan(0.0),

@@ -17,6 +17,7 @@ struct AdjustmentOptions {
   double principal_point_prior_px = 0.5;
   double distortion_prior_px = 1.0;
   double board_noise_px = 0.7;
+  double lens_field_px = 0.1;
   double huber_sigmas = 2.0;
   double outlier_sigmas = 5.0;
   double min_noise_px = 0.05;

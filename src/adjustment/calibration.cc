@@ -6,6 +6,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace rigmap {
 namespace {
@@ -151,10 +152,8 @@ std::optional<LeftOutGain> GainOfRefining(RigRefinement from, RigRefinement to,
       return left_out.score.dot(step) - 0.5 * step.dot(left_out.information * step);
     };
     const double gain = (gain_of(to) - gain_of(from)) / inflation;
-    constexpr double kChance = 0.5;  // half a square of one sigma
     if (!std::isfinite(gain)) return std::nullopt;
-    found.sum += gain;
-    if (gain < -kChance) ++found.against;
+    found.Add(gain);
   }
   return found;
 }
@@ -167,8 +166,9 @@ double HalfOfExpectedGain(double asked, const ProbableCorrection& all) {
   return 0.25 * asked * asked / all.covariance(kLogFocal, kLogFocal);
 }
 
-// Whether the images ask for a focal length that left-out stretches or regions contradict. Where
-// these agree, if not by enough to follow them, what is asked for is known as it says.
+// Whether the images ask for a focal length that left-out stretches or regions contradict, or that
+// is not followed because the lens is known to differ from its model. Where the former agree, if
+// not by enough to follow them, what is asked for is known as it says.
 bool IsFocalRejected(RigRefinement refined, const CalibrationVector& now,
                      const ProbableCorrection& all, const CalibrationEquations& equations,
                      const CalibrationPrior& prior, const AdjustmentOptions& options) {
@@ -184,7 +184,7 @@ bool IsFocalRejected(RigRefinement refined, const CalibrationVector& now,
         GainOfRefining(refined, RigRefinement::kAll, now, equations, blocks, prior, options);
     return !gain || gain->sum < least_gain || gain->against > gain->blocks / kBlocksPerDissenter;
   };
-  return contradicts(equations.stretches) || contradicts(equations.regions);
+  return equations.HasField() || contradicts(equations.stretches) || contradicts(equations.regions);
 }
 
 // Delete-one jackknife over the regions of the image: what all stretches have in common, as a lens
@@ -232,12 +232,13 @@ CalibrationMatrix CalibrationError(RigRefinement refined, const CalibrationVecto
     return held + std::max(variance, unlike) * by_focal + off * off.transpose();
   }
   const CalibrationVector off_held = off - off(kLogFocal) * following;
-  // What makes them ask is no larger than some of what they ask for. If it is right all the same,
-  // it is two sigmas away.
-  constexpr double kTimesAsked = 2.0;
+  // What they ask for is the error of the focal length and what makes them ask besides. Nothing
+  // tells how it is divided between the two: in the mean half of its square is either's. If it is
+  // right all the same, it is two sigmas away at most.
+  constexpr double kMostSigmas = 2.0;
   const double asked = std::abs(off(kLogFocal));
   const double sigma =
-      std::max(asked / kTimesAsked, std::min(prior.sigmas(kLogFocal), kTimesAsked * asked));
+      std::max(asked / kMostSigmas, std::min(prior.sigmas(kLogFocal), asked / std::numbers::sqrt2));
   return held + off_held * off_held.transpose() + sigma * sigma * by_focal;
 }
 

@@ -76,9 +76,10 @@ std::optional<ProbableCorrection> MostProbable(RigRefinement refined, const Cali
 // `refined` are free: what the part and the prior leave unknown, and how far the most probable
 // correction lies from it. Regions of the image that ask for different focal lengths leave it as
 // uncertain as a jackknife over them tells (delete one region, Efron and Stein 1981). Where the
-// images ask for one that left-out stretches or regions contradict, they do not know it: its sigma
-// is twice what they ask for and at most that of the prior, but no less than half of what they ask
-// for. Where the equations are singular the prior counts.
+// images ask for one that left-out stretches or regions contradict, or beside a field of the lens,
+// they do not know it: the square of its sigma is half of that of what they ask for and at most the
+// prior's, the sigma no less than half of what they ask for.
+// Where the equations are singular the prior counts.
 CalibrationMatrix CalibrationError(RigRefinement refined, const CalibrationVector& now,
                                    const CalibrationEquations& equations,
                                    const CalibrationPrior& prior, const AdjustmentOptions& options);
@@ -97,6 +98,12 @@ struct LeftOutGain {
   double sum = 0.0;  // over all blocks
   int blocks = 0;
   int against = 0;  // blocks that fit worse, by more than chance
+
+  void Add(double gain) {
+    constexpr double kChance = 0.5;  // half a square of one sigma
+    sum += gain;
+    if (gain < -kChance) ++against;
+  }
 };
 // `blocks` are the stretches or the regions of `equations`. Nothing for less than four.
 std::optional<LeftOutGain> GainOfRefining(RigRefinement from, RigRefinement to,

@@ -17,51 +17,39 @@ constexpr int kMostStretches = 8, kFewestStretches = 4;
 constexpr int kRings = 4, kRegions = 2 * kRings;
 
 // Equations of one point, its position eliminated.
-void AddPoint(const AdjustedPoint& point, const std::vector<std::optional<Rigid3>>& left_from_world,
-              const StereoRig& rig, const std::vector<PoseResponse>& responses, double noise_px,
-              double huber_px, CalibrationBlock& block) {
+CalibrationBlock EquationsOf(const AdjustedPoint& point, const Linearisation& at,
+                             const std::vector<PoseResponse>& poses, const FieldResponse& field) {
   Eigen::Matrix3d v = Eigen::Matrix3d::Zero();
   Eigen::Vector3d v_gradient = Eigen::Vector3d::Zero();
   Eigen::Matrix<double, kCalibrationSize, 3> coupling;
   coupling.setZero();
   CalibrationVector gradient = CalibrationVector::Zero();
   CalibrationMatrix information = CalibrationMatrix::Zero();
-  for (const PointObservation& observation : point.observations) {
-    const auto at = Reproject(rig, observation.eye, *left_from_world[observation.frame], point.x);
-    if (!at) continue;
-    const PoseResponse& response = responses[observation.frame];
-    Eigen::Vector2d residual = at->pixel - observation.pixel;
-    const double weight =
-        std::min(1.0, huber_px / std::max(residual.norm(), 1e-9)) / (noise_px * noise_px);
-    residual += at->jacobians.pose * response.step;
-    const Eigen::Matrix<double, 2, kCalibrationSize> by_calibration =
-        at->jacobians.calibration + at->jacobians.pose * response.by_calibration;
-    v += weight * at->jacobians.point.transpose() * at->jacobians.point;
-    v_gradient += weight * at->jacobians.point.transpose() * residual;
-    coupling += weight * by_calibration.transpose() * at->jacobians.point;
+  for (const PointObservation& o : point.observations) {
+    const auto seen = Reproject(at.rig, o.eye, *at.left_from_world[o.frame], point.x);
+    if (!seen) continue;
+    const PoseResponse& pose = poses[o.frame];
+    const ReprojectionJacobians& j = seen->jacobians;
+    Eigen::Vector2d residual = seen->pixel - o.pixel;
+    const double weight = at.WeightOf(residual);
+    residual += j.pose * pose.step;
+    Eigen::Matrix<double, 2, kCalibrationSize> by_calibration =
+        j.calibration + j.pose * pose.by_calibration;
+    if (at.field != nullptr) {
+      const LensField::Support support = at.field->At(o.eye, o.pixel);
+      residual -= at.field->Follow(support, field.step);
+      by_calibration -= at.field->Follow(support, field.by_calibration);
+    }
+    v += weight * j.point.transpose() * j.point;
+    v_gradient += weight * j.point.transpose() * residual;
+    coupling += weight * by_calibration.transpose() * j.point;
     gradient += weight * by_calibration.transpose() * residual;
     // Lazily: products of this shape are too small for blocked ones to pay.
     information += weight * by_calibration.transpose().lazyProduct(by_calibration);
   }
   const Eigen::Matrix3d inverse = InverseOfPoint(v);
-  block.score -= gradient - coupling * (inverse * v_gradient);
   const Eigen::Matrix<double, kCalibrationSize, 3> scaled = coupling * inverse;
-  block.information += information - scaled.lazyProduct(coupling.transpose());
-}
-
-// Per point.
-std::vector<int> StretchesOf(const std::vector<AdjustedPoint>& points,
-                             const std::vector<std::optional<Rigid3>>& left_from_world,
-                             int stretches, int posed) {
-  std::vector<int> rank(left_from_world.size(), 0);
-  for (std::size_t frame = 1; frame < rank.size(); ++frame) {
-    rank[frame] = rank[frame - 1] + (left_from_world[frame - 1] ? 1 : 0);
-  }
-  std::vector<int> found;
-  for (const AdjustedPoint& point : points) {
-    found.push_back(rank[point.observations.front().frame] * stretches / posed);
-  }
-  return found;
+  return {scaled * v_gradient - gradient, information - scaled.lazyProduct(coupling.transpose())};
 }
 
 // In the left image, from its principal point.
@@ -94,32 +82,45 @@ std::vector<int> RegionsOf(const std::vector<AdjustedPoint>& points, const Camer
   return found;
 }
 
-CalibrationBlock& operator+=(CalibrationBlock& sum, const CalibrationBlock& block) {
-  sum.score += block.score;
-  sum.information += block.information;
-  return sum;
+int PosedCount(const Linearisation& at) {
+  return static_cast<int>(
+      std::ranges::count_if(at.left_from_world, [](const auto& pose) { return pose.has_value(); }));
 }
 
 }  // namespace
 
-CalibrationBlocks DivideCalibration(const std::vector<AdjustedPoint>& points,
-                                    const std::vector<std::optional<Rigid3>>& left_from_world,
-                                    const StereoRig& rig,
-                                    const std::vector<PoseResponse>& responses, double noise_px,
-                                    double huber_px) {
-  const auto posed = static_cast<int>(
-      std::ranges::count_if(left_from_world, [](const auto& pose) { return pose.has_value(); }));
-  const int count =
-      std::min(kMostStretches, std::max(posed / 2, std::min(posed, kFewestStretches)));
+std::vector<int> StretchesOf(const Linearisation& at, int stretches) {
+  std::vector<int> rank(at.left_from_world.size(), 0);
+  for (std::size_t frame = 1; frame < rank.size(); ++frame) {
+    rank[frame] = rank[frame - 1] + (at.left_from_world[frame - 1] ? 1 : 0);
+  }
+  const int posed = PosedCount(at);
+  std::vector<int> found;
+  for (const AdjustedPoint& point : at.points) {
+    found.push_back(rank[point.observations.front().frame] * stretches / posed);
+  }
+  return found;
+}
+
+int StretchCount(const Linearisation& at) {
+  const int posed = PosedCount(at);
+  return std::min(kMostStretches, std::max(posed / 2, std::min(posed, kFewestStretches)));
+}
+
+CalibrationBlocks DivideCalibration(const Linearisation& at, const std::vector<PoseResponse>& poses,
+                                    const FieldResponse& field) {
+  const int count = StretchCount(at);
   if (count == 0) return {};
-  const std::vector<int> stretches = StretchesOf(points, left_from_world, count, posed);
-  const std::vector<int> regions = RegionsOf(points, rig.left.camera);
+  const std::vector<int> stretches = StretchesOf(at, count);
+  const std::vector<int> regions = RegionsOf(at.points, at.rig.left.camera);
   std::vector<std::array<CalibrationBlock, kRegions>> cells(count);
+  std::vector<CalibrationMatrix> score_covariances(count, CalibrationMatrix::Zero());
   tbb::parallel_for(0, count, [&](int stretch) {
-    for (std::size_t i = 0; i < points.size(); ++i) {
+    for (std::size_t i = 0; i < at.points.size(); ++i) {
       if (stretches[i] != stretch) continue;
-      AddPoint(points[i], left_from_world, rig, responses, noise_px, huber_px,
-               cells[stretch][regions[i]]);
+      const CalibrationBlock point = EquationsOf(at.points[i], at, poses, field);
+      cells[stretch][regions[i]] += point;
+      score_covariances[stretch] += point.score * point.score.transpose();
     }
   });
   CalibrationBlocks blocks{std::vector<CalibrationBlock>(count),
@@ -129,6 +130,7 @@ CalibrationBlocks DivideCalibration(const std::vector<AdjustedPoint>& points,
       blocks.stretches[stretch] += cells[stretch][region];
       blocks.regions[region] += cells[stretch][region];
     }
+    blocks.score_covariance += score_covariances[stretch];
   }
   return blocks;
 }

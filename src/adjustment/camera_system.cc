@@ -114,7 +114,19 @@ std::optional<PoseMatrix> FactorisedByBlocks(const ReducedSystem& system) {
   return matrix;
 }
 
-// The system bordered by the calibration.
+// What poses and the field leave to the calibration.
+void EliminateField(const Linearisation& at, const FieldSolution& field,
+                    CalibrationEquations& equations) {
+  const FieldResponse& response = field.response;
+  equations.information += field.calibration_coupling * response.by_calibration;
+  equations.score -= field.calibration_coupling * response.step;
+  const auto by_calibration = response.by_calibration.transpose();
+  equations.of_field = {
+      -at.field_information * (by_calibration * (at.field->Values() + response.step)),
+      at.field_information * (by_calibration * response.by_calibration)};
+}
+
+// The system bordered by the calibration, and by a field.
 std::optional<CalibrationSolution> SolveBorder(const ReducedSystem& system,
                                                const Linearisation& at) {
   const auto factor = FactorisedByBlocks(system);
@@ -125,31 +137,42 @@ std::optional<CalibrationSolution> SolveBorder(const ReducedSystem& system,
     coupling.middleRows<6>(6 * i) = system.pose_calibration[i];
     gradient.segment<6>(6 * i) = system.pose_gradient[i];
   }
-  const Eigen::MatrixXd solved = factor->Solve(coupling);
-  const Eigen::VectorXd step = -factor->Solve(gradient);
+  Eigen::MatrixXd by_calibration = -factor->Solve(coupling);
+  Eigen::VectorXd step = -factor->Solve(gradient);
   CalibrationSolution solution;
   CalibrationEquations& equations = solution.equations;
-  equations.information = system.calibration - coupling.transpose() * solved;
-  equations.score = -(system.calibration_gradient - solved.transpose() * gradient);
-  equations.score_covariance = system.clusters.CalibrationCovariance(solved) / system.Redundancy();
-  if (!RotationAndFocalStep(equations)) return std::nullopt;
+  equations.information = system.calibration + coupling.transpose() * by_calibration;
+  equations.score = -(system.calibration_gradient + by_calibration.transpose() * gradient);
+  if (at.field != nullptr) {
+    solution.equations_with_field_held = equations;
+    FieldSystem field = AssembleFieldSystem(at, system);
+    const Eigen::MatrixXd solved = factor->Solve(field.pose_coupling);
+    solution.field = SolveField(at, std::move(field), solved, -by_calibration, gradient);
+    EliminateField(at, *solution.field, equations);
+    step += solution.field->pose_by_field * solution.field->response.step;
+    by_calibration += solution.field->pose_by_field * solution.field->response.by_calibration;
+  }
   solution.responses.assign(at.left_from_world.size(), {});
   for (std::size_t frame = 0; frame < at.left_from_world.size(); ++frame) {
     if (!system.IsUnknown(frame)) continue;
     solution.responses[frame] = {step.segment<6>(6 * system.unknown[frame]),
-                                 -solved.middleRows<6>(6 * system.unknown[frame])};
+                                 by_calibration.middleRows<6>(6 * system.unknown[frame])};
   }
-  CalibrationBlocks blocks = DivideCalibration(at.points, at.left_from_world, at.rig,
-                                               solution.responses, at.noise_px, at.huber_px);
+  CalibrationBlocks blocks = DivideCalibration(
+      at, solution.responses, solution.field ? solution.field->response : FieldResponse{});
+  equations.score_covariance = blocks.score_covariance / system.Redundancy();
   equations.stretches = std::move(blocks.stretches);
   equations.regions = std::move(blocks.regions);
+  if (!RotationAndFocalStep(equations)) return std::nullopt;
   return solution;
 }
 
 // Least squares of the scale between positions p and p + dp: the sum of w dp, w = (p - mean) / sum
 // of squares.
 std::optional<ScaleKnowledge> SolveScale(const ReducedSystem& system, const Factor& factor,
-                                         const Poses& poses, const CameraSystemResult& result) {
+                                         const Poses& poses,
+                                         const std::optional<FieldSolution>& field,
+                                         const CameraSystemResult& result) {
   std::vector<std::size_t> frames;
   int datum_frames = 0;
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
@@ -180,6 +203,9 @@ std::optional<ScaleKnowledge> SolveScale(const ReducedSystem& system, const Fact
   const Eigen::MatrixXd solved = factor.solve(functional);
   scale.variance = std::max(functional.col(0).dot(solved.col(0)),
                             system.clusters.Covariance(solved)(0, 0) / system.Redundancy());
+  if (field) {
+    scale.variance += (functional.col(0).transpose() * field->PoseSpread()).squaredNorm();
+  }
   return scale;
 }
 
@@ -219,6 +245,28 @@ class PoseCovariances {
   const Poses& poses_;
   SelectedInverse inverse_;
 };
+
+// Adds what is not known of the field.
+void SpreadByField(const ReducedSystem& system, const FieldSolution& field, const Poses& poses,
+                   const std::vector<int>& references, CameraSystemResult& result) {
+  const Eigen::MatrixXd spread = field.PoseSpread();
+  const auto of_frame = [&](std::size_t frame) -> Eigen::MatrixXd {
+    if (!system.IsUnknown(frame)) return Eigen::MatrixXd::Zero(6, spread.cols());
+    return WorldFromPerturbation(*poses[frame]) * spread.middleRows<6>(6 * system.unknown[frame]);
+  };
+  for (std::size_t frame = 0; frame < poses.size(); ++frame) {
+    if (!system.IsUnknown(frame)) continue;
+    const Eigen::MatrixXd columns = of_frame(frame);
+    result.covariances[frame] += columns * columns.transpose();
+  }
+  for (std::size_t frame = 0; frame < references.size(); ++frame) {
+    if (!result.link_covariances[frame]) continue;
+    const auto reference = static_cast<std::size_t>(references[frame]);
+    const Matrix6d carry = CarryMatrix(poses[reference]->Inverse(), poses[frame]->Inverse());
+    const Eigen::MatrixXd columns = of_frame(frame) - carry * of_frame(reference);
+    *result.link_covariances[frame] += columns * columns.transpose();
+  }
+}
 
 void SetCovariances(const ReducedSystem& system, const Factor& factor, const Poses& poses,
                     const std::vector<int>& references, CameraSystemResult& result) {
@@ -279,7 +327,8 @@ CameraSystemResult SolveCameraSystem(const Linearisation& at, const std::vector<
         WorldFromPerturbation(*poses[frame]) * solution->responses[frame].by_calibration;
   }
   result.calibration = std::move(solution->equations);
-  result.scale = SolveScale(system, *factor, poses, result);
+  if (solution->field) SpreadByField(system, *solution->field, poses, references, result);
+  result.scale = SolveScale(system, *factor, poses, solution->field, result);
   return result;
 }
 

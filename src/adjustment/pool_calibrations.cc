@@ -13,19 +13,20 @@ CalibrationEquations EquationsAt(const CalibrationVector& correction,
   for (const CalibrationWitness& part : parts) {
     if (&part == left_out) continue;
     const CalibrationVector back = part.correction - correction;
+    const auto here = [&](const CalibrationBlock& block) {
+      return CalibrationBlock{block.score + block.information * back, block.information};
+    };
     for (const CalibrationBlock& stretch : part.equations.stretches) {
-      sum.stretches.push_back({stretch.score + stretch.information * back, stretch.information});
-      sum.score += sum.stretches.back().score;
-      sum.information += stretch.information;
+      sum.stretches.push_back(here(stretch));
     }
     sum.regions.resize(part.equations.regions.size());  // the same ones in all parts
     for (std::size_t i = 0; i < sum.regions.size(); ++i) {
-      const CalibrationBlock& region = part.equations.regions[i];
-      sum.regions[i].score += region.score + region.information * back;
-      sum.regions[i].information += region.information;
+      sum.regions[i] += here(part.equations.regions[i]);
     }
+    sum.of_field += here(part.equations.of_field);
     sum.score_covariance += part.equations.score_covariance;
   }
+  sum.AddUp();
   return sum;
 }
 

@@ -39,8 +39,7 @@ void AddObservation(const PointObservation& observation, const Eigen::Vector3d& 
   const auto seen = Reproject(at.rig, observation.eye, *at.left_from_world[observation.frame], x);
   if (!seen) return;
   const Eigen::Vector2d residual = seen->pixel - observation.pixel;
-  const double weight =
-      std::min(1.0, at.huber_px / std::max(residual.norm(), 1e-9)) / (at.noise_px * at.noise_px);
+  const double weight = at.WeightOf(residual);
   const ReprojectionJacobians& j = seen->jacobians;
   point.v += weight * j.point.transpose() * j.point;
   point.gradient += weight * j.point.transpose() * residual;
@@ -84,7 +83,7 @@ void AddCluster(const PointEquations& point, const Eigen::Matrix3d& inverse,
   for (const PointView& view : point.views) {
     scores.emplace_back(view.unknown, view.score - view.coupling * step);
   }
-  system.clusters.Add(std::move(scores), point.calibration_score - point.calibration * step);
+  system.clusters.Add(std::move(scores));
 }
 
 void AddPointTo(ReducedSystem& system, const AdjustedPoint& adjusted, const Linearisation& at) {

@@ -96,6 +96,8 @@ std::string CorrectionTable(const FigureSource& summary) {
       Figure(summary, "/rig/infinity_offset_px", Quantity::kPixels) + " " +
           PlusMinus(summary, "/rig/infinity_offset_sigma_px", Quantity::kPixels),
       "what the correction adds to every disparity; the sigma is of what is in use");
+  row("Field of the lens", Figure(summary, "/rig/lens_field_rms_px", Quantity::kPixels),
+      "displacements that mend what the lens model lacks, root mean square over the image");
   return table.Text();
 }
 

@@ -72,6 +72,9 @@ struct Adjustment {
   std::optional<double> scale_sigma;
   // What of that a perfect calibration would leave; there whenever scale_sigma is.
   std::optional<double> scale_sigma_of_noise;
+  // Of the displacements that mend what the lens model does not describe; zero if none were called
+  // for. Observations are where these have moved them.
+  double lens_field_rms_px = 0.0;
   double noise_px = 0.0;         // robust sigma of one residual coordinate
   double reprojection_px = 0.0;  // median distance
   double outlier_share = 0.0;    // of all observations of tracks in the posed frames
@@ -88,8 +91,8 @@ struct Adjustment {
     archive(world_from_left, datum_frames, covariances, link_covariances, by_calibration,
             calibration_covariance, points, rig, refined, rig_correction, rig_correction_sigmas,
             prior_factor, correction_px, correction_prior_sigmas, infinity_offset_px,
-            infinity_offset_sigma_px, scale_sigma, scale_sigma_of_noise, noise_px, reprojection_px,
-            outlier_share, calibration, calibration_inflation);
+            infinity_offset_sigma_px, lens_field_rms_px, scale_sigma, scale_sigma_of_noise,
+            noise_px, reprojection_px, outlier_share, calibration, calibration_inflation);
   }
 };
 

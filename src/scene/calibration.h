@@ -58,6 +58,12 @@ struct CalibrationBlock {
   CalibrationVector score = CalibrationVector::Zero();
   CalibrationMatrix information = CalibrationMatrix::Zero();
 
+  CalibrationBlock& operator+=(const CalibrationBlock& other) {
+    score += other.score;
+    information += other.information;
+    return *this;
+  }
+
   template <class Archive>
   void serialize(Archive& archive) {
     archive(score, information);
@@ -72,12 +78,23 @@ struct CalibrationEquations {
   // Of the score, residuals of one track going together as they will.
   CalibrationMatrix score_covariance = CalibrationMatrix::Zero();
   // Score and information by stretches of about equally many frames, in order, and by regions of
-  // the image: the sums of either are those of the whole.
+  // the image: the sums of either, with what the prior of a field of the lens says that follows the
+  // calibration, are those of the whole.
   std::vector<CalibrationBlock> stretches, regions;
+  CalibrationBlock of_field;  // zero without a field
+
+  bool HasField() const { return !of_field.information.isZero(); }
+  // Score and information from those of stretches and field.
+  void AddUp() {
+    CalibrationBlock sum = of_field;
+    for (const CalibrationBlock& stretch : stretches) sum += stretch;
+    score = sum.score;
+    information = sum.information;
+  }
 
   template <class Archive>
   void serialize(Archive& archive) {
-    archive(score, information, score_covariance, stretches, regions);
+    archive(score, information, score_covariance, stretches, regions, of_field);
   }
 };
 

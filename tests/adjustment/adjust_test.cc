@@ -250,6 +250,50 @@ TEST_F(AdjustTest, SigmasAreHonest) {
   EXPECT_LT(sum / kTrials, 2.0);
 }
 
+// A displacement of the right eye's pixels that no lens model of ours has: waves along the rows.
+class LensTest : public AdjustTest {
+ protected:
+  void Bend(double amplitude_px) {
+    const Camera& camera = rover_.rig.right.camera;
+    for (auto& frame : correspondences_.features) {
+      for (Feature& feature : frame) {
+        if (!feature.right) continue;
+        const double waves = feature.right->x() / camera.width * 2.5;
+        feature.right->x() += amplitude_px * std::sin(2.0 * std::numbers::pi * waves);
+      }
+    }
+  }
+
+  double WorstError_m(const Adjustment& adjusted) const {
+    double worst_m = 0.0;
+    for (std::size_t i = 0; i < rover_.world_from_left.size(); ++i) {
+      const Vector6d error = ErrorOf(*adjusted.world_from_left[i], rover_.world_from_left[i]);
+      worst_m = std::max(worst_m, error.head<3>().norm());
+    }
+    return worst_m;
+  }
+};
+
+TEST_F(LensTest, WhatItsModelLacksIsTakenOut) {
+  Make({.frames = 24, .points_per_m2 = 12.0, .pixel_sigma = 0.1, .seed = 75});
+  Bend(0.3);
+  const MaybePoses start = AllOf(rover_.world_from_left);
+  const Adjustment bent = Adjust(start, {.lens_field_px = 0.0}), mended = Adjust(start);
+  EXPECT_EQ(bent.lens_field_rms_px, 0.0);
+  EXPECT_GT(mended.lens_field_rms_px, 0.03);
+  EXPECT_GT(bent.noise_px, 0.115);
+  EXPECT_NEAR(mended.noise_px, 0.1, 0.005) << "what was put in";
+  EXPECT_LT(WorstError_m(mended), 0.7 * WorstError_m(bent));
+}
+
+TEST_F(LensTest, OneThatIsAsModelledIsLeftAlone) {
+  Make({.frames = 24, .points_per_m2 = 12.0, .pixel_sigma = 0.1, .seed = 75});
+  const MaybePoses start = AllOf(rover_.world_from_left);
+  const Adjustment without = Adjust(start, {.lens_field_px = 0.0}), with = Adjust(start);
+  EXPECT_EQ(with.lens_field_rms_px, 0.0);
+  EXPECT_EQ(with.world_from_left[23]->translation, without.world_from_left[23]->translation);
+}
+
 TEST_F(AdjustTest, EqualInputGivesEqualOutput) {
   Make({.frames = 6, .points_per_m2 = 8.0, .seed = 73});
   const auto odometric = BadOdometry();

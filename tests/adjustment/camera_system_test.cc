@@ -326,5 +326,92 @@ TEST_F(CameraSystemTest, PosesFollowTheCalibration) {
             0.1 * ErrorOf(*left_from_world_[7], adjusted).norm());
 }
 
+// Poses, calibration and field of one system that is written out, in this order, points eliminated.
+struct WholeSystem {
+  Eigen::MatrixXd information;
+  Eigen::VectorXd score;
+};
+
+WholeSystem WriteOut(const Linearisation& at) {
+  const int poses = 6 * (static_cast<int>(at.left_from_world.size()) - 1),
+            field = poses + kCalibrationSize, size = field + at.field->Size();
+  WholeSystem whole{Eigen::MatrixXd::Zero(size, size), Eigen::VectorXd::Zero(size)};
+  for (const AdjustedPoint& point : at.points) {
+    Eigen::MatrixXd all = Eigen::MatrixXd::Zero(2 * point.observations.size(), size);
+    Eigen::MatrixXd by_point(2 * point.observations.size(), 3);
+    Eigen::VectorXd residual(2 * point.observations.size());
+    int row = 0;
+    for (const PointObservation& o : point.observations) {
+      const auto seen = Reproject(at.rig, o.eye, *at.left_from_world[o.frame], point.x);
+      if (o.frame > 0) all.block<2, 6>(row, 6 * (o.frame - 1)) = seen->jacobians.pose;
+      all.block<2, kCalibrationSize>(row, poses) = seen->jacobians.calibration;
+      const LensField::Support support = at.field->At(o.eye, o.pixel);
+      for (int i = 0; i < 4; ++i) {
+        all.block<2, 2>(row, field + support.parameter[i]).diagonal().array() -= support.weight[i];
+      }
+      by_point.middleRows<2>(row) = seen->jacobians.point;
+      residual.segment<2>(row) = seen->pixel - o.pixel;
+      row += 2;
+    }
+    const Eigen::MatrixXd solved =
+        (by_point.transpose() * by_point).inverse() * by_point.transpose();
+    const Eigen::MatrixXd left = all - by_point * (solved * all);
+    whole.information += left.transpose() * left / (at.noise_px * at.noise_px);
+    whole.score -= left.transpose() * residual / (at.noise_px * at.noise_px);
+  }
+  whole.information.diagonal().tail(at.field->Size()).array() += at.field_information;
+  whole.score.tail(at.field->Size()) -= at.field_information * at.field->Values();
+  return whole;
+}
+
+TEST_F(CameraSystemTest, AFieldOfTheLensIsOneMoreUnknownOfTheWholeSystem) {
+  Make({.frames = 5, .points_per_m2 = 6.0, .pixel_sigma = 0.2, .seed = 61});
+  LensField field(rover_.rig);
+  field.Move(Eigen::VectorXd::LinSpaced(field.Size(), -0.1, 0.2));
+  const Linearisation at{points_, left_from_world_, rover_.rig, 0.2, kNoHuber_px, &field, 30.0};
+  const WholeSystem whole = WriteOut(at);
+  const auto found = SolveCalibration(at);
+  const CameraSystemResult result = SolveCameraSystem(at);
+  ASSERT_TRUE(found && found->field && result.calibration);
+  const Eigen::MatrixXd covariance = whole.information.inverse();
+  const Eigen::MatrixXd of_calibration =
+      covariance.block<kCalibrationSize, kCalibrationSize>(24, 24).inverse();
+  EXPECT_LT((found->equations.information - of_calibration).norm(), 1e-6 * of_calibration.norm());
+  // All of it moves by what the calibration does and what follows.
+  const Eigen::VectorXd step = covariance * whole.score;
+  const CalibrationVector calibration = step.segment<kCalibrationSize>(24);
+  EXPECT_LT((found->equations.information * calibration - found->equations.score).norm(),
+            1e-6 * found->equations.score.norm());
+  const FieldResponse& response = found->field->response;
+  EXPECT_LT(
+      (response.step + response.by_calibration * calibration - step.tail(field.Size())).norm(),
+      1e-6 * step.tail(field.Size()).norm());
+  const PoseResponse& pose = found->responses[3];
+  EXPECT_LT((pose.step + pose.by_calibration * calibration - step.segment<6>(12)).norm(),
+            1e-6 * step.segment<6>(12).norm());
+  // So is what stretches, or regions, and the field's prior say of it.
+  EXPECT_TRUE(found->equations.HasField());
+  for (const auto* blocks : {&found->equations.stretches, &found->equations.regions}) {
+    CalibrationBlock sum = found->equations.of_field;
+    for (const CalibrationBlock& block : *blocks) sum += block;
+    EXPECT_LT((sum.information - of_calibration).norm(), 1e-6 * of_calibration.norm());
+    EXPECT_LT((sum.score - found->equations.score).norm(), 1e-6 * sum.score.norm());
+  }
+  // Of poses, the calibration held: without its rows and columns.
+  Eigen::MatrixXd held = whole.information;
+  held.middleRows<kCalibrationSize>(24).setZero();
+  held.middleCols<kCalibrationSize>(24).setZero();
+  held.diagonal().segment<kCalibrationSize>(24).setOnes();
+  const Matrix6d of_pose = held.inverse().block<6, 6>(18, 18);
+  Matrix6d back;
+  const Rigid3& left_from_world = *left_from_world_[4];
+  for (int axis = 0; axis < 6; ++axis) {
+    back.col(axis) =
+        ErrorOf(Moved(left_from_world, axis).Inverse(), left_from_world.Inverse()) / kStep;
+  }
+  const Matrix6d expected = back * of_pose * back.transpose();
+  EXPECT_LT((result.covariances[4] - expected).norm(), 1e-3 * expected.norm());
+}
+
 }  // namespace
 }  // namespace rigmap

@@ -22,24 +22,18 @@ Eigen::MatrixXd InverseOfNormalMatrix(SeededRandom& random) {
   return (root.transpose() * root + Eigen::MatrixXd::Identity(kUnknowns, kUnknowns)).inverse();
 }
 
-struct DenseScore {
-  Eigen::VectorXd poses = Eigen::VectorXd::Zero(kUnknowns);
-  CalibrationVector calibration = CalibrationVector::Zero();
-};
-
 // Adds clusters that know two poses each, and returns the same as whole vectors.
-std::vector<DenseScore> AddRandomClusters(int count, SeededRandom& random,
-                                          ScoreClusters& clusters) {
-  std::vector<DenseScore> dense;
+std::vector<Eigen::VectorXd> AddRandomClusters(int count, SeededRandom& random,
+                                               ScoreClusters& clusters) {
+  std::vector<Eigen::VectorXd> dense;
   for (int i = 0; i < count; ++i) {
-    DenseScore& score = dense.emplace_back();
+    Eigen::VectorXd& score = dense.emplace_back(Eigen::VectorXd::Zero(kUnknowns));
     std::vector<ScoreClusters::Score> poses;
     for (const int pose : {i % kPoses, (i + 1) % kPoses}) {
       poses.emplace_back(pose, RandomMatrix(6, 1, random));
-      score.poses.segment<6>(6 * pose) = poses.back().second;
+      score.segment<6>(6 * pose) = poses.back().second;
     }
-    score.calibration = RandomMatrix(kCalibrationSize, 1, random);
-    clusters.Add(std::move(poses), score.calibration);
+    clusters.Add(std::move(poses));
   }
   return dense;
 }
@@ -50,7 +44,7 @@ TEST(ScoreClusters, CovarianceIsTheSandwichOfWholeMatrices) {
   ScoreClusters clusters;
   const auto dense = AddRandomClusters(10, random, clusters);
   Eigen::MatrixXd outer = Eigen::MatrixXd::Zero(kUnknowns, kUnknowns);
-  for (const DenseScore& score : dense) outer += score.poses * score.poses.transpose();
+  for (const Eigen::VectorXd& score : dense) outer += score * score.transpose();
   const Eigen::MatrixXd inverse = InverseOfNormalMatrix(random);
   const Eigen::MatrixXd sandwich = inverse * outer * inverse;
   for (int pose = 0; pose < kPoses; ++pose) {
@@ -59,36 +53,17 @@ TEST(ScoreClusters, CovarianceIsTheSandwichOfWholeMatrices) {
   }
 }
 
-TEST(ScoreClusters, CalibrationCovarianceIsThatOfTheReducedScore) {
-  SeededRandom random;
-  ScoreClusters clusters;
-  const auto dense = AddRandomClusters(10, random, clusters);
-  const Eigen::MatrixXd coupling = RandomMatrix(kUnknowns, kCalibrationSize, random);
-  const Eigen::MatrixXd coupled = InverseOfNormalMatrix(random) * coupling;
-  CalibrationMatrix expected = CalibrationMatrix::Zero();
-  for (const DenseScore& score : dense) {
-    const CalibrationVector reduced = score.calibration - coupled.transpose() * score.poses;
-    expected += reduced * reduced.transpose();
-  }
-  EXPECT_LT((clusters.CalibrationCovariance(coupled) - expected).norm(), 1e-10);
-}
-
 // Two equal scores that go together count like one of twice the size: four times, not twice.
 TEST(ScoreClusters, WhatGoesTogetherAddsBeforeItIsSquared) {
   SeededRandom random;
   const Vector6d score = RandomMatrix(6, 1, random);
-  const CalibrationVector calibration = RandomMatrix(kCalibrationSize, 1, random);
   ScoreClusters once, apart, together;
-  once.Add({{1, score}}, calibration);
-  for (int i = 0; i < 2; ++i) apart.Add({{1, score}}, calibration);
-  together.Add({{1, 2.0 * score}}, 2.0 * calibration);
+  once.Add({{1, score}});
+  for (int i = 0; i < 2; ++i) apart.Add({{1, score}});
+  together.Add({{1, 2.0 * score}});
   const Eigen::MatrixXd columns = RandomMatrix(kUnknowns, 6, random);
-  const Eigen::MatrixXd coupled = RandomMatrix(kUnknowns, kCalibrationSize, random);
   EXPECT_LT((apart.Covariance(columns) - 2.0 * once.Covariance(columns)).norm(), 1e-10);
   EXPECT_LT((together.Covariance(columns) - 4.0 * once.Covariance(columns)).norm(), 1e-10);
-  EXPECT_LT(
-      (together.CalibrationCovariance(coupled) - 4.0 * once.CalibrationCovariance(coupled)).norm(),
-      1e-10);
 }
 
 TEST(ScoreClusters, WithoutClustersThereIsNoUncertainty) {

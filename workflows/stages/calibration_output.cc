@@ -30,21 +30,25 @@ Matrix Read(const Json& numbers) {
   return Eigen::Map<const Matrix>(values.data());
 }
 
+Json WriteBlock(const CalibrationBlock& block, double inflation) {
+  return {{"score", Numbers((block.score / inflation).eval())},
+          {"information", Numbers((block.information / inflation).eval())}};
+}
+
 Json WriteBlocks(const std::vector<CalibrationBlock>& blocks, double inflation) {
   Json written = Json::array();
-  for (const CalibrationBlock& block : blocks) {
-    written.push_back({{"score", Numbers((block.score / inflation).eval())},
-                       {"information", Numbers((block.information / inflation).eval())}});
-  }
+  for (const CalibrationBlock& block : blocks) written.push_back(WriteBlock(block, inflation));
   return written;
+}
+
+CalibrationBlock ReadBlock(const Json& written) {
+  return {Read<CalibrationVector>(written.at("score")),
+          Read<CalibrationMatrix>(written.at("information"))};
 }
 
 std::vector<CalibrationBlock> ReadBlocks(const Json& written) {
   std::vector<CalibrationBlock> blocks;
-  for (const Json& block : written) {
-    blocks.push_back({Read<CalibrationVector>(block.at("score")),
-                      Read<CalibrationMatrix>(block.at("information"))});
-  }
+  for (const Json& block : written) blocks.push_back(ReadBlock(block));
   return blocks;
 }
 
@@ -55,10 +59,8 @@ PartCalibration ReadPart(const Json& part, const std::filesystem::path& path) {
                        {}};
   read.equations.stretches = ReadBlocks(part.at("stretches"));
   read.equations.regions = ReadBlocks(part.at("regions"));
-  for (const CalibrationBlock& stretch : read.equations.stretches) {
-    read.equations.score += stretch.score;
-    read.equations.information += stretch.information;
-  }
+  if (part.contains("field")) read.equations.of_field = ReadBlock(part.at("field"));
+  read.equations.AddUp();
   read.equations.score_covariance = read.equations.information;
   return read;
 }
@@ -93,6 +95,9 @@ void PublishCalibration(const Dataset& dataset, const DatasetContent& content,
     const double inflation = adjustment.calibration_inflation;
     part["stretches"] = WriteBlocks(adjustment.calibration->stretches, inflation);
     part["regions"] = WriteBlocks(adjustment.calibration->regions, inflation);
+    if (adjustment.calibration->HasField()) {
+      part["field"] = WriteBlock(adjustment.calibration->of_field, inflation);
+    }
   }
   publication.File("calibration.json",
                    [&](std::ostream& stream) { stream << part.dump() << "\n"; });
@@ -130,6 +135,7 @@ Report DescribeRigChange(const StereoRig& calibrated, const Adjustment& adjustme
           {"infinity_offset_px", adjustment.infinity_offset_px},
           {"infinity_offset_sigma_px", adjustment.infinity_offset_sigma_px},
           {"prior_factor", adjustment.prior_factor},
+          {"lens_field_rms_px", adjustment.lens_field_rms_px},
           {"given", RigReport(calibrated)},
           {"used", RigReport(used)}};
 }

@@ -4,6 +4,7 @@
 #include <optional>
 #include <vector>
 
+#include "adjustment/internal/reduced_system.h"
 #include "scene/adjustment.h"
 
 namespace rigmap {
@@ -16,18 +17,29 @@ struct PoseResponse {
       Eigen::Matrix<double, 6, kCalibrationSize>::Zero();
 };
 
+// How the field of a lens does, a row for each of its parameters.
+struct FieldResponse {
+  Eigen::VectorXd step;
+  Eigen::Matrix<double, Eigen::Dynamic, kCalibrationSize> by_calibration;
+};
+
 struct CalibrationBlocks {
   std::vector<CalibrationBlock> stretches, regions;
+  // Of the sum of their scores, when residuals of a point go together as they will.
+  CalibrationMatrix score_covariance = CalibrationMatrix::Zero();
 };
+
+// Per point: of so many stretches with equally many posed frames, that of the frame that saw it
+// first.
+std::vector<int> StretchesOf(const Linearisation& at, int stretches);
+// As many as can contradict each other, as far as there are frames for so many.
+int StretchCount(const Linearisation& at);
 
 // Stretches: points by the frame that saw them first, in eight of equally many posed frames, fewer
 // of a part with fewer frames. Regions: by where the left image shows them on the average, in four
 // rings about its principal point with equally many points, left and right halves of each; none
-// without stretches. Weights are those of SolveCameraSystem; responses stand per frame.
-CalibrationBlocks DivideCalibration(const std::vector<AdjustedPoint>& points,
-                                    const std::vector<std::optional<Rigid3>>& left_from_world,
-                                    const StereoRig& rig,
-                                    const std::vector<PoseResponse>& responses, double noise_px,
-                                    double huber_px);
+// without stretches. Poses (per frame) and the field, if there is one, follow.
+CalibrationBlocks DivideCalibration(const Linearisation& at, const std::vector<PoseResponse>& poses,
+                                    const FieldResponse& field);
 
 }  // namespace rigmap

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "adjustment/internal/calibration_blocks.h"
+#include "adjustment/internal/field_system.h"
 #include "adjustment/internal/reduced_system.h"
 #include "scene/adjustment.h"
 
@@ -50,8 +51,11 @@ CameraSystemResult SolveCameraSystem(const Linearisation& at,
 
 // What a step of the calibration takes: less by far than all that SolveCameraSystem finds.
 struct CalibrationSolution {
-  CalibrationEquations equations;
+  CalibrationEquations equations;       // a field following
   std::vector<PoseResponse> responses;  // per frame
+  // Of a field, and what the equations would be if it were held.
+  std::optional<FieldSolution> field;
+  CalibrationEquations equations_with_field_held;
 };
 // Nothing where the system is singular.
 std::optional<CalibrationSolution> SolveCalibration(const Linearisation& at);

@@ -1,23 +1,32 @@
 // The normal equations of an adjustment with the points eliminated. Of this room only.
 #pragma once
 
+#include <algorithm>
 #include <map>
 #include <optional>
 #include <utility>
 #include <vector>
 
+#include "adjustment/internal/lens_field.h"
 #include "adjustment/internal/score_clusters.h"
 #include "scene/adjustment.h"
 
 namespace rigmap {
 
 // What is linearised, and how observations are weighted: as Huber's loss at `huber_px` does, the
-// noise being `noise_px`.
+// noise being `noise_px`. Pixels of points have been moved by the field, if there is one;
+// `field_information` is what its prior says of each of its parameters (1/px^2).
 struct Linearisation {
   const std::vector<AdjustedPoint>& points;
   const std::vector<std::optional<Rigid3>>& left_from_world;
   const StereoRig& rig;
   double noise_px = 1.0, huber_px = 1.0;
+  const LensField* field = nullptr;
+  double field_information = 0.0;
+
+  double WeightOf(const Eigen::Vector2d& residual) const {
+    return std::min(1.0, huber_px / std::max(residual.norm(), 1e-9)) / (noise_px * noise_px);
+  }
 };
 
 // Unknowns are the poses of frames that are not held, in order of frames, and the calibration.

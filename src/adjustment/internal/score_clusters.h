@@ -8,7 +8,6 @@
 #include <utility>
 #include <vector>
 
-#include "scene/calibration.h"
 #include "scene/trajectory.h"
 
 namespace rigmap {
@@ -21,11 +20,8 @@ class ScoreClusters {
  public:
   using Score = std::pair<int, Vector6d>;  // number of the unknown pose, gradient
 
-  // One cluster; no unknown pose twice. The gradient by the calibration, which
-  // all share, is apart.
-  void Add(std::vector<Score> poses, const CalibrationVector& calibration) {
-    clusters_.push_back({std::move(poses), calibration});
-  }
+  // One cluster; no unknown pose twice.
+  void Add(std::vector<Score> poses) { clusters_.push_back(std::move(poses)); }
 
   void Append(ScoreClusters further) {
     std::ranges::move(further.clusters_, std::back_inserter(clusters_));
@@ -35,16 +31,8 @@ class ScoreClusters {
   // that do (6 rows for each unknown).
   Matrix6d Covariance(const Eigen::MatrixXd& columns_of_inverse) const;
 
-  // Of the gradient by the calibration once the poses are eliminated, `coupled` being N^-1 times
-  // their coupling with it (6 rows for each unknown).
-  CalibrationMatrix CalibrationCovariance(const Eigen::MatrixXd& coupled) const;
-
  private:
-  struct Cluster {
-    std::vector<Score> poses;
-    CalibrationVector calibration;
-  };
-  std::vector<Cluster> clusters_;
+  std::vector<std::vector<Score>> clusters_;
 };
 
 }  // namespace rigmap
