@@ -6,7 +6,6 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 namespace rigmap {
 namespace {
@@ -232,13 +231,14 @@ CalibrationMatrix CalibrationError(RigRefinement refined, const CalibrationVecto
     return held + std::max(variance, unlike) * by_focal + off * off.transpose();
   }
   const CalibrationVector off_held = off - off(kLogFocal) * following;
-  // What they ask for is the error of the focal length and what makes them ask besides. Nothing
-  // tells how it is divided between the two: in the mean half of its square is either's. If it is
-  // right all the same, it is two sigmas away at most.
+  // What they ask for is the error of the focal length, what makes them ask besides, and noise.
+  // Nothing tells how it is divided between the former two: in the mean half of the square that
+  // noise does not explain is either's. If they are right all the same, it is two sigmas away at
+  // most.
   constexpr double kMostSigmas = 2.0;
   const double asked = std::abs(off(kLogFocal));
-  const double sigma =
-      std::max(asked / kMostSigmas, std::min(prior.sigmas(kLogFocal), asked / std::numbers::sqrt2));
+  const double share = std::sqrt(0.5 * std::max(0.0, asked * asked - variance));
+  const double sigma = std::max(asked / kMostSigmas, std::min(prior.sigmas(kLogFocal), share));
   return held + off_held * off_held.transpose() + sigma * sigma * by_focal;
 }
 
