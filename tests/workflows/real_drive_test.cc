@@ -190,19 +190,24 @@ TEST_F(RealDrive, RoundABendMendsTheRigAndIsMetric) {
   EXPECT_NEAR(*metrics.aligned->scale, 1.0, 0.01 * stated);
 }
 
-// A car's rectified images, whose lens model lacks second-order terms: the focal length must not
-// make up for them. The published poses of its first pairs are of no use for metres.
+// A car's rectified images, whose lens model lacks second-order terms and what a field of the lens
+// mends: the focal length must not make up for them. The published poses of its first pairs are
+// longer than any stereo depth says.
 TEST_F(RealDrive, AlongAStreetMendsTheLensAndNotTheFocalLength) {
-  const ProgramEnd end = Run("kitti-street", {"--frames", "40:101", "--accuracy", "2"});
+  const ProgramEnd end = Run("kitti-street");
   EXPECT_EQ(end.exit_code, 0) << end.err;
   const json summary = Summary();
   EXPECT_EQ(summary["rig"]["parameters"], "all-but-focal");
   EXPECT_EQ(summary["rig"]["focal_changed_pct"], 0.0);
+  EXPECT_GT(summary["rig"]["lens_field_rms_px"], 0.03);
+  // Without the field 0.058 px.
+  EXPECT_LE(summary["depth_consistency"]["radius"]["systematic_px"].get<double>(), 0.02);
   const auto metrics =
       CompareTrajectories(Poses(), ReadTum(data_ / "kitti-street" / "groundtruth_tum.txt"));
   ASSERT_TRUE(metrics.aligned && metrics.aligned->scale);
-  EXPECT_LE(100.0 * metrics.aligned->ate_se3_m / metrics.true_path_m, 0.2);
+  EXPECT_LE(100.0 * metrics.aligned->ate_se3_m / metrics.true_path_m, 0.39);
   const double stated = summary["verdict"]["scale_95_pct"];
+  EXPECT_LT(stated, 1.0);
   EXPECT_NEAR(*metrics.aligned->scale, 1.0, 0.01 * stated);
 }
 
