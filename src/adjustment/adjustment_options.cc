@@ -31,6 +31,14 @@ OptionFields AdjustmentOptions::Fields() {
        "explain, and what is asked for to be so many times what they disagree by (jackknife). The "
        "sigmas are those of residuals, inflated by what residuals of whole tracks say and by "
        "shared_noise; chance exceeds three once in 700 times."},
+      {"lens_field_px", &lens_field_px, "px", AtLeast(0.0),
+       "What a lens does beyond its model: with refine_rig auto, where stretches of the part that "
+       "were left out fit better with it, residuals that are the same in all frames are taken out "
+       "by displacements of the pixels of each eye, bilinear over a grid of ten cells along the "
+       "image. Their sigma is the part's own, at most this: residuals of calibrations with a board "
+       "are larger. 0: never."},
+  };
+  const OptionFields priors = {
       {"rig_prior_deg", &rig_prior_deg, "degrees", MoreThan(0.0),
        std::string("How far the rotation of a calibration may be off.") + kPrior},
       {"focal_prior_pct", &focal_prior_pct, "per cent", MoreThan(0.0),
@@ -46,12 +54,6 @@ OptionFields AdjustmentOptions::Fields() {
        "itself: rotation, principal points and distortion can make up for each other where the "
        "board was, and not where it was not. Noise of its corners in 25 views; of the size by "
        "which two calibrations of one rig differed."},
-      {"lens_field_px", &lens_field_px, "px", AtLeast(0.0),
-       "What a lens does beyond its model: with refine_rig auto, where stretches of the part that "
-       "were left out fit better with it, residuals that are the same in all frames are taken out "
-       "by displacements of the pixels of each eye, bilinear over a grid of ten cells along the "
-       "image. Their sigma is the part's own, at most this: residuals of calibrations with a board "
-       "are larger. 0: never."},
   };
   const OptionFields residuals = {
       {"huber_sigmas", &huber_sigmas, "robust sigmas", MoreThan(0.0),
@@ -74,7 +76,7 @@ OptionFields AdjustmentOptions::Fields() {
        "Rounds of triangulating, adjusting and dropping observations. The rig is corrected before "
        "the last one."},
   };
-  return JoinFields({rig, residuals});
+  return JoinFields({rig, priors, residuals});
 }
 
 }  // namespace rigmap

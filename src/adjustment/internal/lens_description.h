@@ -1,10 +1,8 @@
 // What of a lens its model does not describe, as far as a part tells it. Of this room only.
 #pragma once
 
-#include <optional>
-
 #include "adjustment/adjustment_options.h"
-#include "adjustment/internal/camera_system.h"
+#include "adjustment/internal/calibration_border.h"
 #include "adjustment/internal/lens_field.h"
 
 namespace rigmap {
