@@ -279,8 +279,11 @@ class Adjuster {
     if (system.calibration) {
       result.calibration_inflation = Inflation(*system.calibration, options_);
     }
-    result.lens_field_rms_px = lens_.Field() == nullptr ? 0.0 : lens_.Field()->RmsPx();
     result.rig = bundle_.rig;
+    const LensField* field = lens_.Field();
+    result.lens_field_rms_px = field ? field->RmsPx() : 0.0;
+    result.rig.left.lens_field = field ? std::optional(field->Of(Eye::kLeft)) : std::nullopt;
+    result.rig.right.lens_field = field ? std::optional(field->Of(Eye::kRight)) : std::nullopt;
     result.rig_correction = correction_;
     result.rig_correction_sigmas = correction_.cwiseQuotient(prior_.sigmas);
     result.refined = refined_;

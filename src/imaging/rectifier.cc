@@ -29,12 +29,18 @@ struct Bounds {
   }
 };
 
+// What a pixel has to be moved by before the camera's model holds for it.
+Eigen::Vector2d BesideModel(const RigEye& eye, const Eigen::Vector2d& pixel) {
+  return eye.lens_field ? eye.lens_field->At(pixel) : Eigen::Vector2d(0.0, 0.0);
+}
+
 // The rectified ray of a pixel; nothing where the calibration has no inverse.
-std::optional<Eigen::Vector2d> RectifiedRay(const Camera& camera,
+std::optional<Eigen::Vector2d> RectifiedRay(const RigEye& eye,
                                             const Eigen::Quaterniond& rectified_from_eye,
                                             const Eigen::Vector2d& pixel) {
-  const std::optional<Eigen::Vector2d> normalised = Undistort(camera, pixel);
-  if (!normalised || !IsInsideFold(camera, *normalised)) return std::nullopt;
+  const std::optional<Eigen::Vector2d> normalised =
+      Undistort(eye.camera, pixel + BesideModel(eye, pixel));
+  if (!normalised || !IsInsideFold(eye.camera, *normalised)) return std::nullopt;
   const Eigen::Vector3d ray = rectified_from_eye * normalised->homogeneous();
   if (ray.z() <= 0.0) return std::nullopt;
   return ray.hnormalized();
@@ -49,7 +55,7 @@ Bounds UsableBounds(const RigEye& eye, const Eigen::Quaterniond& rectified_from_
   const auto add_outermost = [&](cv::Point from, cv::Point step, int length) {
     for (int i = 0; i < length; ++i, from += step) {
       if (mask.at<uchar>(from) == 0) continue;
-      const auto ray = RectifiedRay(eye.camera, rectified_from_eye, {from.x, from.y});
+      const auto ray = RectifiedRay(eye, rectified_from_eye, {from.x, from.y});
       if (!ray) continue;
       bounds.Add(*ray);
       return;
@@ -106,11 +112,11 @@ Rectifier::Rectifier(const StereoRig& rig) {
   std::tie(camera_.cy, camera_.height) =
       PrincipalAndLength(left.cy, focal * bounds.low.y(), focal * bounds.high.y());
 
-  left_ = MakeMaps(left, left_from_rectified_);
-  right_ = MakeMaps(rig.right.camera, axes.rectified_from_right.conjugate());
+  left_ = MakeMaps(rig.left, left_from_rectified_);
+  right_ = MakeMaps(rig.right, axes.rectified_from_right.conjugate());
 }
 
-Rectifier::Maps Rectifier::MakeMaps(const Camera& eye,
+Rectifier::Maps Rectifier::MakeMaps(const RigEye& eye,
                                     const Eigen::Quaterniond& eye_from_rectified) const {
   constexpr float kOutside = -1e4F;  // further than any interpolation reaches
   Maps maps{cv::Mat(camera_.height, camera_.width, CV_32FC1, kOutside),
@@ -120,9 +126,11 @@ Rectifier::Maps Rectifier::MakeMaps(const Camera& eye,
     for (int column = 0; column < camera_.width; ++column) {
       const Eigen::Vector3d ray = rotation * Eigen::Vector3d((column - camera_.cx) / camera_.fx,
                                                              (row - camera_.cy) / camera_.fy, 1.0);
-      if (ray.z() <= 0.0 || !IsInsideFold(eye, ray.hnormalized())) continue;
-      const Eigen::Vector2d pixel = Distort(eye, ray.hnormalized());
-      if (!eye.Contains(pixel)) continue;
+      if (ray.z() <= 0.0 || !IsInsideFold(eye.camera, ray.hnormalized())) continue;
+      // A field varies so slowly that where it is taken, there or here, makes no difference.
+      Eigen::Vector2d pixel = Distort(eye.camera, ray.hnormalized());
+      pixel -= BesideModel(eye, pixel);
+      if (!eye.camera.Contains(pixel)) continue;
       maps.x.at<float>(row, column) = static_cast<float>(pixel.x());
       maps.y.at<float>(row, column) = static_cast<float>(pixel.y());
     }

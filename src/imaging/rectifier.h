@@ -16,7 +16,8 @@ namespace rigmap {
 // resolution is nowhere reduced. Where strong distortion would make a view more than kMaxGrowth
 // times as wide or high as the image, its outermost rays are cut.
 //
-// Immutable once built; thread-safe. Takes 16 bytes per rectified pixel.
+// Fields of the lenses are taken out, as distortion is. Immutable once built; thread-safe. Takes 16
+// bytes per rectified pixel.
 class Rectifier {
  public:
   static constexpr double kMaxGrowth = 1.6;
@@ -43,7 +44,7 @@ class Rectifier {
   struct Maps {
     cv::Mat x, y;  // CV_32FC1: source pixel of each rectified pixel
   };
-  Maps MakeMaps(const Camera& eye, const Eigen::Quaterniond& eye_from_rectified) const;
+  Maps MakeMaps(const RigEye& eye, const Eigen::Quaterniond& eye_from_rectified) const;
 
   Camera camera_;
   Eigen::Quaterniond left_from_rectified_;

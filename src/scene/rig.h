@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "geometry/camera.h"
+#include "geometry/pixel_field.h"
 #include "geometry/rigid3.h"
 #include "geometry/serialize.h"
 #include "scene/calibration.h"
@@ -30,10 +31,13 @@ struct RigEye {
   Camera camera;
   std::optional<PixelRegion> calibrated_region;
   std::string mask_path;  // image whose zero pixels are ignored; empty: none
+  // What the lens does beside the camera's model, where a part tells it: by how much pixels are to
+  // be moved before the model holds for them. In no rig file.
+  std::optional<PixelField> lens_field;
 
   template <class Archive>
   void serialize(Archive& archive) {
-    archive(camera, calibrated_region, mask_path);
+    archive(camera, calibrated_region, mask_path, lens_field);
   }
 };
 

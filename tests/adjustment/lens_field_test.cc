@@ -24,6 +24,8 @@ TEST_F(LensFieldTest, IsBilinearBetweenNodesAndTellsTheEyesApart) {
   EXPECT_DOUBLE_EQ(moved.y(), -0.25 * right.weight[2]);
   EXPECT_EQ(field.Displacement(Eye::kLeft, {100.0, 80.0}), Eigen::Vector2d::Zero());
   EXPECT_GT(field.RmsPx(), 0.0);
+  EXPECT_EQ(field.Of(Eye::kRight).At({100.0, 80.0}), moved);
+  EXPECT_EQ(field.Of(Eye::kLeft).At({100.0, 80.0}), Eigen::Vector2d::Zero());
 }
 
 TEST_F(LensFieldTest, WeightsOfAPixelAddUpToOneUpToAndBeyondTheEdge) {

@@ -44,18 +44,40 @@ StereoRig FieldRig() {
   return rig;
 }
 
+// What no model of a lens describes, as large as a calibration leaves it at most.
+StereoRig RigWithFields() {
+  StereoRig rig = TurnedRig();
+  SeededRandom random;
+  for (RigEye* eye : {&rig.left, &rig.right}) {
+    PixelField field{{10, 6, 752.0, 480.0}, {}};
+    for (int node = 0; node < field.grid.Nodes(); ++node) {
+      field.displacements.emplace_back(random.Uniform(-0.5, 0.5), random.Uniform(-0.5, 0.5));
+    }
+    eye->lens_field = field;
+  }
+  return rig;
+}
+
+// What is displaced where the model expects it: displaced once more it would be there.
+std::optional<Eigen::Vector2d> SeenBy(const RigEye& eye, const Eigen::Vector3d& x_in_eye) {
+  std::optional<Eigen::Vector2d> pixel = Project(eye.camera, x_in_eye);
+  if (pixel && eye.lens_field) *pixel -= eye.lens_field->At(*pixel);
+  return pixel;
+}
+
 class RectifierOfRig : public testing::TestWithParam<int> {
  protected:
   static StereoRig RigOf(int number) {
     return number == 0   ? IdentityRig()
            : number == 1 ? TurnedRig()
            : number == 2 ? LocCamRig()
+           : number == 3 ? RigWithFields()
                          : FieldRig();
   }
   StereoRig rig_ = RigOf(GetParam());
 };
 
-INSTANTIATE_TEST_SUITE_P(Rigs, RectifierOfRig, testing::Values(0, 1, 2, 3));
+INSTANTIATE_TEST_SUITE_P(Rigs, RectifierOfRig, testing::Values(0, 1, 2, 3, 4));
 
 // An image whose values are its pixels' columns (or rows).
 cv::Mat Ramp(const Camera& camera, bool columns) {
@@ -93,8 +115,8 @@ TEST_P(RectifierOfRig, ShowsPointsInEqualRowsAtTheirDisparity) {
     const Eigen::Vector3d x_in_left =
         rectifier.LeftFromRectified() *
         Eigen::Vector3d(z * (column - view.cx) / view.fx, z * (row - view.cy) / view.fy, z);
-    const auto left = Project(rig_.left.camera, x_in_left);
-    const auto right = Project(rig_.right.camera, rig_.right_from_left * x_in_left);
+    const auto left = SeenBy(rig_.left, x_in_left);
+    const auto right = SeenBy(rig_.right, rig_.right_from_left * x_in_left);
     if (!left || !right || !WellInside(rig_.left.camera, *left) ||
         !WellInside(rig_.right.camera, *right)) {
       continue;
@@ -121,7 +143,9 @@ TEST_P(RectifierOfRig, HoldsEveryUsablePixelOfTheLeftImage) {
   for (int row = 0; row < usable.rows; row += 3) {
     for (int column = 0; column < usable.cols; column += 3) {
       if (usable.at<uchar>(row, column) == 0) continue;
-      const auto normalised = Undistort(rig_.left.camera, {column, row});
+      Eigen::Vector2d moved(column, row);
+      if (rig_.left.lens_field) moved += rig_.left.lens_field->At(moved);
+      const auto normalised = Undistort(rig_.left.camera, moved);
       ASSERT_TRUE(normalised);
       const Eigen::Vector2d turned = Turn(rectifier.LeftFromRectified().conjugate(), *normalised);
       const Eigen::Vector2d pixel(view.fx * turned.x() + view.cx, view.fy * turned.y() + view.cy);

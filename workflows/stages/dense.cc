@@ -113,6 +113,11 @@ std::string DescribeForDepth(const StereoRig& rig) {
   for (const Eye eye : kEyes) {
     const std::string& path = rig.Of(eye).mask_path;
     text += path.empty() ? "no mask\n" : HashFile(path) + "\n";
+    if (const auto& field = rig.Of(eye).lens_field) {
+      for (const Eigen::Vector2d& moved : field->displacements) {
+        text += fmt::format("{} {} ", moved.x(), moved.y());
+      }
+    }
   }
   return text;
 }

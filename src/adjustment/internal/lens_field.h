@@ -4,13 +4,14 @@
 #include <Eigen/Core>
 #include <array>
 
+#include "geometry/pixel_field.h"
 #include "scene/rig.h"
 
 namespace rigmap {
 
-// By how much pixels of each eye are to be moved before the lens model holds for them: a
-// displacement that is bilinear between the nodes of a grid over the image, with ten cells along
-// its longer side. Its parameters are x and y (px) of each node, those of the left eye first.
+// By how much pixels of each eye are to be moved before the lens model holds for them, with ten
+// cells along the longer side of the image. Its parameters are x and y (px) of each node, those of
+// the left eye first.
 class LensField {
  public:
   // All zero.
@@ -41,14 +42,15 @@ class LensField {
   // Of the displacement of a node.
   double RmsPx() const;
   void Move(const Eigen::VectorXd& step) { values_ += step; }
+  PixelField Of(Eye eye) const;
 
  private:
-  struct Grid {
-    int columns = 1, rows = 1;  // cells
-    double width = 0.0, height = 0.0;
+  struct EyeGrid : NodeGrid {
     int first = 0;  // parameter
   };
-  std::array<Grid, 2> grids_;  // of the left eye and the right one
+  const EyeGrid& GridOf(Eye eye) const { return grids_[eye == Eye::kLeft ? 0 : 1]; }
+
+  std::array<EyeGrid, 2> grids_;  // of the left eye and the right one
   Eigen::VectorXd values_;
 };
 
