@@ -28,10 +28,9 @@ DepthMap DenseMatcher::Compute(const StereoFrame& frame) const {
   const cv::Mat right = ReadGrey(frame.right_path, rig_.right.camera, frame.sample_bits);
   cv::Mat left;
   cv::cvtColor(colour, left, cv::COLOR_BGR2GRAY);
-  const RectifiedPair pair{
-      rectifier_.RectifyLeft(left), rectifier_.RectifyRight(right),
-      rectifier_.RectifyLeftMask(UsableMask(left, left_static_, mask_options_)),
-      rectifier_.RectifyRightMask(UsableMask(right, right_static_, mask_options_))};
+  const RectifiedPair pair{rectifier_.RectifyLeft(left), rectifier_.RectifyRight(right),
+                           rectifier_.RectifyLeftMask(UsableForDepth(left, left_static_)),
+                           rectifier_.RectifyRightMask(UsableForDepth(right, right_static_))};
 
   DepthMap map;
   map.stamp_ns = frame.stamp_ns;
@@ -52,6 +51,14 @@ DepthMap DenseMatcher::Compute(const StereoFrame& frame) const {
   const cv::Mat unsure = map.disparity_sigma > 0.01 * options_.max_depth_sigma_pct * map.disparity;
   map.disparity.setTo(0.0, unsure | (map.disparity < farthest_px) | (map.disparity > nearest_px));
   return map;
+}
+
+cv::Mat DenseMatcher::UsableForDepth(const cv::Mat& grey, const cv::Mat& static_mask) const {
+  cv::Mat usable = UsableMask(grey, static_mask, mask_options_);
+  // A black area is as good a feature as any; but where a whole block is black nothing is to be
+  // matched, and what lies around it would be carried over.
+  usable.setTo(0, BlackAreas(grey, mask_options_, options_.block_px));
+  return usable;
 }
 
 double DenseMatcher::MegabytesPerFrame() const {

@@ -29,6 +29,7 @@ class DenseMatcher {
   double MegabytesPerView() const;  // of a depth map
 
  private:
+  cv::Mat UsableForDepth(const cv::Mat& grey, const cv::Mat& static_mask) const;
   double NearestPx() const;  // disparity of what is nearest
 
   StereoRig rig_;

@@ -30,12 +30,6 @@ cv::Mat SaturatedAreas(const cv::Mat& grey, const MaskOptions& options) {
   return saturated;
 }
 
-cv::Mat BlackAreas(const cv::Mat& grey, const MaskOptions& options) {
-  cv::Mat black = grey < options.black_level;
-  cv::morphologyEx(black, black, cv::MORPH_OPEN, Square(options.saturation_width_px));
-  return black;
-}
-
 int MedianOf(const cv::Mat& grey, const cv::Mat& where) {
   std::array<int, 256> histogram{};
   int count = 0;
@@ -128,10 +122,16 @@ cv::Mat StaticMask(const RigEye& eye) {
   return mask;
 }
 
+cv::Mat BlackAreas(const cv::Mat& grey, const MaskOptions& options, int width_px) {
+  cv::Mat black = grey < options.black_level;
+  cv::morphologyEx(black, black, cv::MORPH_OPEN, Square(width_px));
+  return black;
+}
+
 cv::Mat UsableMask(const cv::Mat& grey, const cv::Mat& static_mask, const MaskOptions& options) {
   cv::Mat usable = static_mask.clone();
   usable.setTo(0, SaturatedAreas(grey, options));
-  usable.setTo(0, BlackAreas(grey, options));
+  usable.setTo(0, BlackAreas(grey, options, options.saturation_width_px));
   if (options.sky) usable.setTo(0, Sky(grey, options));
   return usable;
 }

@@ -14,6 +14,9 @@ namespace rigmap {
 // when the mask file cannot be read or is not of the camera's size.
 cv::Mat StaticMask(const RigEye& eye);
 
+// 255 where a square of that width, all below the black level, has its place.
+cv::Mat BlackAreas(const cv::Mat& grey, const MaskOptions& options, int width_px);
+
 // The static mask without saturated areas (not single glints), without black ones and, if asked
 // for, without the sky: a smooth region that hangs from the top border and is clearly brighter than
 // the image below. A dark sky and dark or textured walls stay. About 2 ms for 1024 x 768.

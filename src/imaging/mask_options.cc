@@ -6,7 +6,8 @@ OptionFields MaskOptions::Fields() {
   return {
       {"black_level", &black_level, "grey value", AtLeast(0).UpTo(255),
        "Below this value a pixel counts as clipped, too (0: none does), where a square of "
-       "saturation_width_px is that dark: nothing is to be seen there."},
+       "saturation_width_px (for depth, one of dense.block_px) is that dark: nothing is to be seen "
+       "there."},
       {"saturation_level", &saturation_level, "grey value", AtLeast(1).UpTo(256),
        "From this value on a pixel counts as clipped (256: none does). Below 255, since JPEG and "
        "the conversion from colour spread a clipped value by a few levels."},

@@ -112,6 +112,25 @@ TEST_P(DenseMatcherOnSand, HasNoBiasAgainstSparsePoints) {
   EXPECT_NEAR(*bias_px, 0.0, 0.05);
 }
 
+// A strip that feature detection takes for as good a thing as any. Sand on both sides of it would
+// be carried over.
+TEST_P(DenseMatcherOnSand, KnowsNothingWhereAWholeBlockIsBlack) {
+  const cv::Range strip(230, 241);
+  ASSERT_LT(strip.size(), MaskOptions().saturation_width_px);
+  for (const cv::Mat& image : {shot_->left(), shot_->right()}) {
+    cv::Mat dimmed = image.clone();
+    dimmed.rowRange(strip).setTo(0);
+    cv::imwrite(image.data == shot_->left().data ? frame_.left_path : frame_.right_path, dimmed);
+  }
+  const DepthMap map = DenseMatcher(rig_, nearest_m_, options_, {}).Compute(frame_);
+  cv::Mat black, inner;
+  cv::inRange(map.colour, cv::Scalar::all(0), cv::Scalar::all(2), black);
+  cv::erode(black, inner, cv::Mat::ones(options_.block_px, options_.block_px, CV_8U));
+  EXPECT_GT(cv::countNonZero(inner), rig_.left.camera.width * 5);
+  EXPECT_EQ(cv::countNonZero(inner & (map.disparity > 0.0)), 0);
+  EXPECT_GT(cv::countNonZero(map.disparity > 0.0), 50000);
+}
+
 TEST_P(DenseMatcherOnSand, KeepsToItsRangeAndMasks) {
   nearest_m_ = 1.3;
   options_.max_range_m = 1.7;
