@@ -84,6 +84,13 @@ std::string MapSection(const PartContent& content) {
   row("Points shown", "/points_shown", Quantity::kCount, "in this page, taken evenly from all");
   row("Finest voxel", "/finest_m", Quantity::kMetres,
       "side of the cubes in which measurements are merged; coarser where less is known");
+  const FigureSource summary = content.folder.Summary();
+  const auto limit = [&](const char* name, const char* key, Quantity quantity) {
+    if (!HasFigure(summary, key)) return;
+    table.Row({name, Figure(summary, key, quantity), "what is known less well was left out"});
+  };
+  limit("Largest sigma", "/map/max_sigma_m", Quantity::kMetres);
+  limit("Largest sigma, of the distance", "/map/max_sigma_pct", Quantity::kPercent);
   row("Sigma, median", "/median_sigma_m", Quantity::kMetres,
       "of one measurement along its rays, without errors that frames share");
   row("Overlap, median", "/median_images", Quantity::kCount, "left images that show a spot");

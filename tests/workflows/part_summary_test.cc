@@ -36,7 +36,7 @@ class PartSummaryTest : public testing::Test {
 TEST_F(PartSummaryTest, HasAllKeysEvenWhereNothingWasReached) {
   const Report summary = Written();
   for (const char* key : {"status", "reason", "technique", "world_up", "stages", "frames",
-                          "revisits", "health", "mapping", "scale", "rig", "gates",
+                          "revisits", "health", "mapping", "scale", "rig", "map", "gates",
                           "depth_consistency", "verdict", "versions", "command"}) {
     EXPECT_TRUE(summary.contains(key)) << key;
   }

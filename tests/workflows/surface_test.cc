@@ -64,6 +64,19 @@ TEST_F(SurfaceOfASimulatedPart, IsCloseToTheTruth) {
   EXPECT_LT(rocks["shift_max_mm"].get<double>(), 10.0);
 }
 
+TEST_F(SurfaceOfASimulatedPart, StatesWhatItIsMadeOf) {
+  const json map = json::parse(ReadTextFile(Out() / "summary.json"))["map"];
+  const std::string header = ReadTextFile(Out() / "dense.ply").substr(0, 200);
+  EXPECT_THAT(header, testing::HasSubstr("element vertex " +
+                                         std::to_string(map["points"].get<std::size_t>()) + "\n"));
+  EXPECT_GE(map["frames"], 7);
+  EXPECT_LE(map["frames"], 14);
+  EXPECT_GT(map["voxel_m"].get<double>(), 0.001);
+  EXPECT_LT(map["voxel_m"].get<double>(), 0.05);
+  EXPECT_EQ(map["max_sigma_pct"], 2.0);
+  EXPECT_TRUE(map["max_sigma_m"].is_null());
+}
+
 TEST_F(SurfaceOfASimulatedPart, HasItsDisparitiesWithoutBias) {
   const json summary = json::parse(ReadTextFile(Out() / "summary.json"));
   for (const json& gate : summary["gates"]) {

@@ -51,6 +51,9 @@ FusedMap MakeMap(const StageContext& context, const Dataset&, const PosedPart& p
   options.min_views = std::min(options.min_views, std::max(1, static_cast<int>(posed.size())));
   FusedMap fused;
   fused.voxel_m = depths.voxel_m;
+  fused.frames = static_cast<int>(posed.size());
+  fused.max_sigma_pct = options.max_sigma_pct;
+  if (options.max_sigma_m > 0.0) fused.max_sigma_m = options.max_sigma_m;
   context.publication->File("dense.ply", [&](std::ostream& stream) {
     PlyWriter writer(stream);
     const auto take = [&](std::span<const SurfacePoint> points) { writer.Write(points); };
@@ -65,18 +68,27 @@ FusedMap MakeMap(const StageContext& context, const Dataset&, const PosedPart& p
   return fused;
 }
 
-Report ReportMap(const FusedMap& fused, const Dataset& dataset, const PosedPart&,
-                 const DepthIndex&) {
+}  // namespace
+
+Report DescribeMap(const FusedMap& map, const Dataset& dataset, const PosedPart&,
+                   const DepthIndex&) {
   Report remarks = Report::array();
-  for (const int frame : fused.frames_left_out) {
+  for (const int frame : map.frames_left_out) {
     remarks.push_back(fmt::format(
         "frame {} is left out of the map: its depth or pose disagrees with its neighbours'",
         dataset.frames[frame].stamp_ns));
   }
-  return {{"mapping", {{"remarks", std::move(remarks)}}}};
+  const auto limit = [](const std::optional<double>& asked) {
+    return asked ? Report(*asked) : Report(nullptr);
+  };
+  return {{"map",
+           {{"points", map.points},
+            {"frames", map.frames - static_cast<int>(map.frames_left_out.size())},
+            {"voxel_m", map.voxel_m},
+            {"max_sigma_m", limit(map.max_sigma_m)},
+            {"max_sigma_pct", limit(map.max_sigma_pct)}}},
+          {"mapping", {{"remarks", std::move(remarks)}}}};
 }
-
-}  // namespace
 
 FusedMap NoMap(const StageContext&, const PosedPart&) { return {}; }
 
@@ -98,7 +110,7 @@ FusionStage Fusion() {
           .code = CodeHere(),
           .make = MakeMap,
           .publishes = {"dense.ply"},
-          .report = ReportMap};
+          .report = DescribeMap};
 }
 
 }  // namespace rigmap

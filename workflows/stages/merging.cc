@@ -39,6 +39,7 @@ FusedMap MakeMerged(const StageContext& context, const Dataset& dataset, const P
     MergeClouds(posed.size(), cloud_of, map.voxel_m, {context.scratch / "tiles", take});
     writer.Finish();
     map.points = writer.point_count();
+    map.frames = static_cast<int>(posed.size());
   });
   return map;
 }
@@ -50,7 +51,8 @@ MergingStage CloudMerging() {
           .about = "the clouds of all registered frames, merged on a grid as they lie",
           .code = CodeHere(),
           .make = MakeMerged,
-          .publishes = {"dense.ply"}};
+          .publishes = {"dense.ply"},
+          .report = DescribeMap};
 }
 
 }  // namespace rigmap
