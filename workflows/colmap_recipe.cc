@@ -24,7 +24,8 @@ StageGraph ColmapRecipe(const Dataset& data, const DatasetContent& data_content,
   const auto odometry = g.AddStage(VisualOdometry(), Reading(o.odometry), dataset, features);
 
   // verified correspondences -> COLMAP's database -> poses in COLMAP's gauge -> metres
-  const auto keyframes = AddMappedKeyframes(g, o, {dataset, colmap, features, odometry});
+  const auto keyframes =
+      AddMappedKeyframes(g, o, {dataset, colmap, features, odometry}, MappingMethod::kTriangulate);
 
   // laid into the world as they are
   const auto part = g.AddStage(MappedTrajectory(), Reading(), dataset, odometry, keyframes.graph,

@@ -22,8 +22,9 @@ struct MappedKeyframes {
   Node<AlignedKeyframes> aligned;
 };
 
-// Adds matching, database, mapping and scale.
+// Adds matching, database, mapping and scale. Models that fail a gate are made in the way
+// `otherwise`.
 MappedKeyframes AddMappedKeyframes(StageGraph& graph, const PartOptions& options,
-                                   const MappingInputs& inputs);
+                                   const MappingInputs& inputs, MappingMethod otherwise);
 
 }  // namespace rigmap

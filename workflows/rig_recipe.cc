@@ -24,9 +24,10 @@ StageGraph RigRecipe(const Dataset& data, const DatasetContent& data_content,
       g.AddStage(Bridging(), Reading(o.features, o.masks, o.odometry, o.dead_reckoning, o.filter),
                  dataset, features, seen);
 
-  // verified correspondences -> COLMAP's database -> poses in COLMAP's gauge -> metres
+  // verified correspondences -> COLMAP's database -> poses in COLMAP's gauge -> metres; where these
+  // fail a gate, the adjustment starts from the odometry
   const auto [matches, graph, models, aligned] =
-      AddMappedKeyframes(g, o, {dataset, colmap, features, odometry});
+      AddMappedKeyframes(g, o, {dataset, colmap, features, odometry}, o.mapping.method);
 
   // one pose per frame, the rig held -> trajectory and sparse model
   const bool is_mapped = o.mapping.method != MappingMethod::kNone;

@@ -1,5 +1,8 @@
 #include "adjustment/internal/pose_matrix.h"
 
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
 #include <Eigen/Cholesky>
 #include <Eigen/OrderingMethods>
 #include <Eigen/SparseCore>
@@ -73,19 +76,27 @@ bool PoseMatrix::Factorise(const std::vector<Matrix6d>& blocks) {
       factor_[index] = blocks[i];
     }
   }
-  const int* update = updates_.data();
+  // Rows of a column change blocks of their own, so that each thread sums in the same order as one.
+  constexpr std::size_t kRowsTogether = 16;  // 136 products and more, some ten microseconds
+  const int* updates = updates_.data();
   for (std::size_t k = 0; k < rows_.size(); ++k) {
     Matrix6d& diagonal = factor_[first_[k]];
     const Eigen::LLT<Matrix6d> root(diagonal);
     if (root.info() != Eigen::Success) return false;
     diagonal = root.matrixL().solve(Matrix6d::Identity());
     Matrix6d* below = &diagonal + 1;
-    for (std::size_t a = 0; a < rows_[k].size(); ++a) {
-      below[a] = (below[a] * diagonal.transpose()).eval();
-      for (std::size_t b = 0; b <= a; ++b) {
-        factor_[*update++].noalias() -= below[a] * below[b].transpose();
-      }
-    }
+    const std::size_t count = rows_[k].size();
+    for (std::size_t a = 0; a < count; ++a) below[a] = (below[a] * diagonal.transpose()).eval();
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, kRowsTogether),
+                      [&](const auto& rows) {
+                        for (std::size_t a = rows.begin(); a < rows.end(); ++a) {
+                          const int* update = updates + a * (a + 1) / 2;
+                          for (std::size_t b = 0; b <= a; ++b) {
+                            factor_[*update++].noalias() -= below[a] * below[b].transpose();
+                          }
+                        }
+                      });
+    updates += count * (count + 1) / 2;
   }
   return true;
 }

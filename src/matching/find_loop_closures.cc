@@ -72,14 +72,16 @@ class LoopClosureFinder {
   Vocabulary Learn() const {
     constexpr std::size_t kSample = 60'000, kPerKeyframe = 750;
     const std::size_t share = std::min(kPerKeyframe, kSample / keyframes_.size() + 1);
-    std::vector<Descriptor> sample;
-    for (const int frame : keyframes_) {
-      const FrameFeatures features = search_.features(frame);
+    std::vector<std::vector<Descriptor>> of_keyframe(keyframes_.size());
+    tbb::parallel_for(std::size_t{0}, keyframes_.size(), [&](std::size_t k) {
+      const FrameFeatures features = search_.features(keyframes_[k]);
       const std::size_t step = features.descriptors.size() / share + 1;
       for (std::size_t i = 0; i < features.descriptors.size(); i += step) {
-        sample.push_back(features.descriptors[i]);
+        of_keyframe[k].push_back(features.descriptors[i]);
       }
-    }
+    });
+    std::vector<Descriptor> sample;
+    for (const auto& some : of_keyframe) sample.insert(sample.end(), some.begin(), some.end());
     return Vocabulary(sample);
   }
 

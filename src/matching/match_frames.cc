@@ -195,11 +195,11 @@ std::vector<int> FirstOfSameStretch(const Odometry& odometry,
 Correspondences MatchFrames(const Odometry& odometry, const FeatureSource& features,
                             const StereoRig& rig, const MatchingOptions& options) {
   std::vector<std::vector<Eigen::Vector3d>> sample_points(odometry.size());
-  for (std::size_t i = 0; i < odometry.size(); ++i) {
-    if (!odometry[i].keyframe) continue;
+  tbb::parallel_for(std::size_t{0}, odometry.size(), [&](std::size_t i) {
+    if (!odometry[i].keyframe) return;
     sample_points[i] = SamplePoints(TriangulateFeatures(features(static_cast<int>(i)).features, rig,
                                                         options.disparity_noise_px));
-  }
+  });
   std::vector<CandidatePair> pairs = SelectPairs(odometry, sample_points, rig, options);
   AddFoundLoopClosures(FindLoopClosures({odometry, features, sample_points, rig}, options), pairs);
   const std::vector<int> same_stretch = FirstOfSameStretch(odometry, sample_points, rig, options);

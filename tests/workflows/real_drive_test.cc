@@ -50,6 +50,11 @@ TEST_F(RealDrive, InASandYardMendsItsWrongRigFile) {
   EXPECT_NEAR(summary["rig"]["infinity_offset_px"], 3.2, 0.5);
   EXPECT_GT(summary["rig"]["prior_factor"], 1.3);
   EXPECT_EQ(summary["frames"]["posed"], 127);
+  // COLMAP is given the rig file's cameras, so that its map has no one left-right distance.
+  EXPECT_EQ(summary["mapping"]["method"], "seeded");
+  EXPECT_THAT(summary["mapping"]["remarks"].dump(),
+              testing::AllOf(testing::HasSubstr("baseline_spread"),
+                             testing::HasSubstr("started from the odometric poses")));
   // With the rig file as it is: 5 % and one pixel from cell to cell.
   EXPECT_LE(summary["depth_consistency"]["place"]["systematic_pct"].get<double>(), 0.4);
   EXPECT_LE(summary["depth_consistency"]["place"]["systematic_px"].get<double>(), 0.07);

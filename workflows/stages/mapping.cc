@@ -51,7 +51,10 @@ MeasuredModels MapInTurn(const Mapper& mapper, const InTurn<MappingMethod>& ways
                          const fs::path& models) {
   MeasuredModels first = mapper.Map(ways.planned, models);
   const Gates gates = mapper.Judge(first);
-  if (first.mapped.method != MappingMethod::kSeeded || AllPassed(gates)) return first;
+  if (first.mapped.method != MappingMethod::kSeeded || ways.otherwise == ways.planned ||
+      AllPassed(gates)) {
+    return first;
+  }
   const std::string reason = FailureReason(gates);
   spdlog::warn("{}; triangulating the odometric poses instead", reason);
   const fs::path aside = mapper.context.scratch / "other-models";

@@ -32,7 +32,8 @@ using MappingStage =
           Takes<ColmapInstallation, Dataset, Odometry, Correspondences, KeyframeGraph>,
           Reads<InTurn<MappingMethod>, MappingOptions, VerificationOptions, ScaleOptions,
                 MappingGateOptions>>;
-// The planned way; where its models fail a gate on them, the other, which is taken if it passes.
+// The planned way; where its models fail a gate on them, the other if there is one, which is taken
+// if it passes.
 MappingStage Mapping();
 
 // world_from_left of the graph's keyframes by the odometry.
