@@ -9,29 +9,22 @@
 
 #include "core/error.h"
 #include "core/stamp.h"
-#include "core/statistics.h"
+#include "core/stamp_steps.h"
 
 namespace rigmap {
 namespace {
 
 namespace fs = std::filesystem;
 
-// A step longer than so many usual ones is a gap: the next may be late, but not by two frames.
-constexpr double kGapSteps = 2.5;
-
 double Seconds(StampNs stamp_ns) { return 1e-9 * static_cast<double>(stamp_ns); }
 
 void FindGaps(const std::vector<StereoFrame>& frames, PartData& findings) {
-  std::vector<double> steps;
-  for (std::size_t i = 1; i < frames.size(); ++i) {
-    steps.push_back(Seconds(frames[i].stamp_ns - frames[i - 1].stamp_ns));
-  }
-  if (steps.empty()) return;
-  findings.interval_s = Median(steps);
-  for (std::size_t i = 0; i < steps.size(); ++i) {
-    if (steps[i] > kGapSteps * findings.interval_s) {
-      findings.gaps.emplace_back(static_cast<int>(i), steps[i]);
-    }
+  std::vector<StampNs> stamps;
+  for (const StereoFrame& frame : frames) stamps.push_back(frame.stamp_ns);
+  const StampSteps steps = StepsOf(stamps);
+  findings.interval_s = Seconds(steps.usual_ns);
+  for (const std::size_t i : steps.gaps) {
+    findings.gaps.emplace_back(static_cast<int>(i), Seconds(stamps[i + 1] - stamps[i]));
   }
 }
 

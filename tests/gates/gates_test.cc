@@ -79,6 +79,12 @@ class GatesTest : public testing::Test {
                       epipolar_px_, depth_consistency_},
                      options_);
   }
+  // Residuals of a track go together so much that sigmas of the correction are so many times
+  // larger.
+  void Inflate(double factor) {
+    CalibrationEquations& equations = *adjustment_.calibration;
+    equations.score_covariance = factor * factor * equations.information;
+  }
   // Moves frame `first` by a motion in its own axes, and all behind with it: one step changes.
   void Shift(int first, const Rigid3& motion) {
     const Rigid3 at = *adjustment_.world_from_left[first];
@@ -279,6 +285,29 @@ TEST_F(GatesTest, RigTurnWithinItsSigmasIsExcused) {
   EXPECT_NEAR(*Judge("rig_consistency_sigmas").value, 4.0, 1e-9);
   EXPECT_TRUE(Judge("rig_consistency_deg").passed);
   EXPECT_TRUE(Judge("rig_consistency_sigmas").passed);
+}
+
+TEST_F(GatesTest, SigmasThatATrackSharesExcuseUpToTheLimit) {
+  const double limit_rad = options_.calibration.max_depth_error_share * rig_.Baseline() / kDepth_m;
+  const double max_log_focal = options_.calibration.intrinsics_consistency_pct / 100.0;
+  const auto correct = [&] {
+    Correct({0.0, 4.0 * limit_rad, 0.0}, Eigen::Vector3d::Constant(0.1 * limit_rad),
+            4.0 * max_log_focal, 0.1 * max_log_focal);
+  };
+  correct();
+  EXPECT_NEAR(*Judge("rig_consistency_sigmas").value, 40.0, 1e-9);
+  EXPECT_FALSE(Judge("rig_consistency_sigmas").passed);
+  Inflate(9.9);
+  EXPECT_NEAR(*Judge("rig_consistency_sigmas").value, 40.0 / 9.9, 1e-9);
+  EXPECT_NEAR(*Judge("intrinsics_consistency_sigmas").value, 40.0 / 9.9, 1e-9);
+  EXPECT_TRUE(Judge("rig_consistency_sigmas").passed);
+  // Beyond it residuals go together because the rig is wrong.
+  correct();
+  Inflate(10.1);
+  EXPECT_NEAR(*Judge("rig_consistency_sigmas").value, 40.0, 1e-9);
+  EXPECT_NEAR(*Judge("intrinsics_consistency_sigmas").value, 40.0, 1e-9);
+  EXPECT_FALSE(Judge("rig_consistency_sigmas").passed);
+  EXPECT_FALSE(Judge("intrinsics_consistency_sigmas").passed);
 }
 
 TEST_F(GatesTest, RigTurnThatIsHardlyKnownDoesNotApply) {

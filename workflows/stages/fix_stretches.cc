@@ -1,6 +1,6 @@
 #include "workflows/stages/fix_stretches.h"
 
-#include "core/statistics.h"
+#include "core/stamp_steps.h"
 
 namespace rigmap {
 
@@ -14,15 +14,8 @@ std::vector<StampNs> StampsOfFixed(const std::vector<GnssFix>& fixes) {
 
 Report GapsBetween(const std::vector<StampNs>& stamps) {
   Report gaps = Report::array();
-  std::vector<StampNs> steps_ns;
-  for (std::size_t i = 1; i < stamps.size(); ++i) steps_ns.push_back(stamps[i] - stamps[i - 1]);
-  if (steps_ns.empty()) return gaps;
-  constexpr double kGapSteps = 2.5;
-  const auto limit_ns = static_cast<StampNs>(kGapSteps * static_cast<double>(Median(steps_ns)));
-  for (std::size_t i = 0; i < steps_ns.size(); ++i) {
-    if (steps_ns[i] > limit_ns) {
-      gaps.push_back({{"first_ns", stamps[i]}, {"last_ns", stamps[i + 1]}});
-    }
+  for (const std::size_t i : StepsOf(stamps).gaps) {
+    gaps.push_back({{"first_ns", stamps[i]}, {"last_ns", stamps[i + 1]}});
   }
   return gaps;
 }
