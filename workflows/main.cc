@@ -183,6 +183,12 @@ int Main(int argc, char** argv) {
     if (argc > 1 && argv[1][0] != '-' && !HasCommand(app, argv[1])) {
       throw UsageError(fmt::format("{}: no such command (--help lists what there is)", argv[1]));
     }
+    // What is missing may be there, misspelt.
+    const std::vector<std::string> unknown = app.remaining(true);
+    if (!unknown.empty() && dynamic_cast<const CLI::RequiredError*>(&error)) {
+      throw UsageError(
+          fmt::format("{}: no such argument (--help lists what there is)", unknown[0]));
+    }
     throw UsageError(fmt::format("{} (--help lists what there is)", error.what()));
   }
   for (const CLI::App* subcommand : app.get_subcommands()) {

@@ -87,8 +87,9 @@ void ReadOptions(const YamlNode& section, const OptionFields& fields) {
       throw DataError(fmt::format("{}: unknown option '{}', expected one of {}", node.where, name,
                                   Names(fields)));
     }
-    const std::string where = fmt::format("{}: option {}", node.where, name);
-    std::visit(Assign{node, *field, where}, field->value);
+    YamlNode named = node;
+    named.where = fmt::format("{}: option {}", node.where, name);
+    std::visit(Assign{named, *field, named.where}, field->value);
   }
 }
 

@@ -209,7 +209,8 @@ bool CheckFrame(const StereoFrame& frame, const StereoRig& rig) {
   }
 }
 
-// Of the masks and the first pair that can be read; there must be one.
+// Of the masks and all pairs that can be read; there must be one. Images of another size are
+// another camera's: better said before the first hour than after it.
 void CheckSizes(const Dataset& dataset) {
   const StereoRig& rig = dataset.rig;
   for (const Eye eye : kEyes) {
@@ -217,10 +218,10 @@ void CheckSizes(const Dataset& dataset) {
     if (!mask_path.empty()) CheckSize(mask_path, rig.Of(eye).camera, rig.source);
   }
   const auto& frames = dataset.frames;
-  if (std::any_of(frames.begin(), frames.end(),
-                  [&](const StereoFrame& frame) { return CheckFrame(frame, rig); })) {
-    return;
-  }
+  const auto readable = std::count_if(frames.begin(), frames.end(), [&](const StereoFrame& frame) {
+    return CheckFrame(frame, rig);
+  });
+  if (readable > 0) return;
   throw DataError(
       fmt::format("{}: expected images, found none that can be read in both eyes of any of {} "
                   "pairs, of which this is the first",

@@ -100,7 +100,10 @@ TEST(OptionsTest, WrongKindOfValueIsAnErrorWithItsLine) {
   SampleOptions options;
   EXPECT_EQ(
       MessageOf<DataError>([&] { ReadOptions(ParseYaml("on: 7", "f.yaml"), options.Fields()); }),
-      "f.yaml:1: expected true or false, found '7'");
+      "f.yaml:1: option on: expected true or false, found '7'");
+  EXPECT_EQ(MessageOf<DataError>(
+                [&] { ReadOptions(ParseYaml("count: [1, 2]", "f.yaml"), options.Fields()); }),
+            "f.yaml:1: option count: expected an integer, found a list of 2");
 }
 
 TEST(OptionsTest, ValueThatIsNotAllowedIsUsageWithItsLine) {

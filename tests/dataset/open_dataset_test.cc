@@ -133,12 +133,15 @@ TEST_F(OpenKatwijkTest, ImagesMustHaveTheRigsSize) {
                     HasSubstr("found 16 x 24")));
 }
 
-TEST_F(OpenKatwijkTest, SizeIsThatOfTheFirstPairThatCanBeRead) {
+TEST_F(OpenKatwijkTest, SizeIsThatOfEachPairThatCanBeRead) {
   folder_.Write("root/rig.yaml", SampleRigText());
   folder_.Write("root/Traverse3/Part1/LocCam/LocCam_2015_11_26_15_23_36_5_1.png", "text");
   EXPECT_EQ(Open(root_).frames.size(), 4U);
-  WriteImage(part_ / "LocCam" / "LocCam_2015_11_26_15_23_36_40_0.png", 16, 24);
-  EXPECT_THAT(MessageOf<DataError>([&] { Open(root_); }), HasSubstr("36_40_0.png: expected 32"));
+  for (const char* name : {"36_1000_1.png", "36_40_0.png"}) {
+    WriteImage(part_ / "LocCam" / (std::string("LocCam_2015_11_26_15_23_") + name), 16, 24);
+    EXPECT_THAT(MessageOf<DataError>([&] { Open(root_); }),
+                HasSubstr(std::string(name) + ": expected 32 x 24"));
+  }
 }
 
 TEST_F(OpenKatwijkTest, OnePairMustBeReadable) {
