@@ -13,8 +13,12 @@ namespace {
 
 using nlohmann::json;
 
-std::string Standing(const std::string& status) {
-  return status == "ok" ? "TRUSTED" : status == "untrusted" ? "NOT TRUSTED" : "not judged yet";
+std::string Standing(const json& summary) {
+  const std::string status = summary.at("status");
+  if (status == "untrusted") return "NOT TRUSTED";
+  if (status != "ok") return "not judged yet";
+  // Of a rig that stood, or one pair: nothing has shown how good the metres are.
+  return summary.at("verdict").at("scale_95_pct").is_number() ? "TRUSTED" : "CONSISTENT";
 }
 
 std::string PathLine(const json& verdict) {
@@ -59,8 +63,7 @@ std::string VerdictLines(const std::filesystem::path& out) {
     std::string lines;
     const json& text = summary.at("verdict").at("text");
     if (text.is_string()) {
-      lines += fmt::format("rigmap: {}: {}\n", Standing(summary.at("status")),
-                           Legible(text.get<std::string>()));
+      lines += fmt::format("rigmap: {}: {}\n", Standing(summary), Legible(text.get<std::string>()));
     }
     lines += PathLine(summary.at("verdict")) + FramesPosed(summary.at("frames")) +
              TimeTaken(summary.at("stages"));

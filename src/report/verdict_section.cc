@@ -20,6 +20,11 @@ struct Standing {
 
 Standing StandingOf(const Json& summary) {
   const std::string status = summary.value("status", "");
+  if (status == "ok" && !At(summary, "/verdict/scale_95_pct").is_number()) {
+    return {"partial", "Consistent, but nothing checked its metres",
+            "It passed every check by which it could have contradicted itself. A rig that hardly "
+            "moves shows nothing of its own metres: depths and map are as good as the rig file."};
+  }
   if (status == "ok") {
     return {
         "ok", "This result can be trusted",

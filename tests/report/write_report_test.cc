@@ -43,6 +43,14 @@ TEST_F(WriteReportTest, SaysSoOfEachStatus) {
   }
 }
 
+TEST_F(WriteReportTest, DoesNotCallTrustedWhatNothingMeasured) {
+  Json summary = SampleSummary();
+  summary["verdict"]["scale_95_pct"] = nullptr;
+  const std::string report = ReportOf(WriteSampleResult(folder_, "stood", summary));
+  EXPECT_THAT(report, HasSubstr("Consistent, but nothing checked its metres"));
+  EXPECT_THAT(report, Not(HasSubstr("can be trusted")));
+}
+
 TEST_F(WriteReportTest, NamesAreHarmless) {
   const std::string report =
       ReportOf(WriteSampleResult(folder_, "<script>alert(2)<", SampleSummary("failed")));

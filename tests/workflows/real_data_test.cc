@@ -124,6 +124,10 @@ TEST_F(RealData, StillRigStandsStill) {
   ASSERT_TRUE(end.exit_code == 0 || end.exit_code == 3) << end.err;
   const json metrics = Evaluation(data_ / "euroc-still" / "groundtruth_tum.txt");
   EXPECT_EQ(metrics["frames"], 8);
+  // How good its metres are, nothing tells.
+  const json verdict = JsonOf("summary.json")["verdict"];
+  EXPECT_TRUE(verdict["scale_95_pct"].is_null());
+  EXPECT_THAT(verdict["text"].get<std::string>(), testing::HasSubstr("for each metre of depth"));
   EXPECT_LE(metrics["extent_m"].get<double>(), 0.005);
 }
 

@@ -16,6 +16,16 @@ TEST(VerdictLinesTest, TellWhatTheFirstScreenTells) {
             "rigmap: 4 of 4 frames posed; took 12 s and 370 MB; longest dense with 12 s\n");
 }
 
+TEST(VerdictLinesTest, DoNotCallTrustedWhatNothingMeasured) {
+  const TemporaryFolder folder;
+  auto summary = SampleSummary();
+  summary["verdict"]["text"] = "nothing checks the metres";
+  summary["verdict"]["scale_95_pct"] = nullptr;
+  folder.Write("result/summary.json", summary.dump());
+  EXPECT_THAT(VerdictLines(folder.Path() / "result"),
+              testing::StartsWith("rigmap: CONSISTENT: nothing checks the metres\n"));
+}
+
 TEST(VerdictLinesTest, NameTheReport) {
   const TemporaryFolder folder;
   folder.Write("result/summary.json", SampleSummary().dump());

@@ -34,6 +34,17 @@ std::string AboutRig(const GateInputs& inputs) {
   return about + fmt::format("if the baseline is {:.2f} mm", 1000.0 * rig.Baseline());
 }
 
+// How far off depths are with a rig file that errs as rig files do: by an offset of all
+// disparities.
+std::string OfRigFiles(const GateInputs& inputs) {
+  constexpr double kSigmas95 = 1.960;
+  const double offset_px = kSigmas95 * inputs.adjustment.infinity_offset_sigma_px;
+  if (!(offset_px > 0.0)) return "";
+  const double pixel_metres = inputs.rig.left.camera.fx * inputs.rig.Baseline();
+  return fmt::format(": as these err, off by up to {:.2g} % for each metre of depth (95 %)",
+                     100.0 * offset_px / pixel_metres);
+}
+
 // Beside the gates: how good the poses are, for the verdict.
 Report ReportPart(const GateInputs& inputs, const GateOptions& options) {
   const PartFindings findings = FindingsOf(inputs, options);
@@ -60,7 +71,8 @@ Report ReportPart(const GateInputs& inputs, const GateOptions& options) {
           "(95 %); ",
           LengthText(*accuracy.position_95_m));
     }
-    text += "nothing checks the metres of depths and map, which are the rig file's; ";
+    text += "nothing checks the metres of depths and map, which are the rig file's" +
+            OfRigFiles(inputs) + "; ";
   }
   report["verdict"]["text"] = text + AboutRig(inputs);
   report["depth_consistency"] = ReportDepthConsistency(inputs.depth_consistency);
