@@ -74,6 +74,7 @@ nlohmann::ordered_json Metrics(const EvaluateRequest& request) {
     auto metrics = CompareWithTruth(ReadTum(request.out / "trajectory.tum"), truth,
                                     request.out / "dense.ply", options.evaluation);
     RequireMatch(metrics, truth, options.evaluation);
+    WarnOfTruth(metrics, truth);
     for (const auto& tum : StepFiles(request.out)) {
       metrics["steps"][tum.stem().string()] =
           CompareWithTruth(ReadTum(tum), truth, {}, options.evaluation);

@@ -8,6 +8,7 @@
 #include "core/file.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/test_file.h"
+#include "workflows/stages/compare_result.h"
 
 namespace rigmap {
 namespace {
@@ -65,6 +66,24 @@ TEST_F(EvaluatePartTest, SaysFirstWhetherTheResultIsTrusted) {
   EXPECT_EQ(with("partial", "null"), "partial\n" + metrics);
   WriteTestFile(out_ / "summary.json", "{}");
   EXPECT_THAT(ErrorOf({out_, truth_, false}), HasSubstr("summary.json: expected a summary"));
+}
+
+TEST(DoubtOfTruthTest, IsOfFewPosesAndOfAnotherLength) {
+  const auto doubt = [](double coverage, double path_m) {
+    return DoubtOfTruth({{"frames", 127},
+                         {"gt_frames", 88},
+                         {"coverage", coverage},
+                         {"path_m", path_m},
+                         {"est_path_m", 4.2}});
+  };
+  EXPECT_EQ(doubt(1.0, 4.1), "");
+  EXPECT_EQ(doubt(0.73, 8.3), "");  // 64 of 127 moments
+  EXPECT_EQ(doubt(0.034, 4.1), "poses at 3 of the result's 127 moments only");
+  EXPECT_EQ(doubt(1.0, 73.385), "a path of 73.39 m, where the result has 4.20 m");
+  EXPECT_EQ(doubt(1.0, 1.0), "a path of 1.00 m, where the result has 4.20 m");
+  EXPECT_EQ(DoubtOfTruth({{"frames", 9}, {"error", "fewer than 3 matched poses"}}),
+            "fewer than 3 matched poses");
+  EXPECT_EQ(DoubtOfTruth({{"frames", 9}, {"est_path_m", 4.0}, {"truth_path_m", 4.1}}), "");
 }
 
 TEST_F(EvaluatePartTest, ComparesAsTheRunWasConfigured) {

@@ -1,6 +1,7 @@
 #include "workflows/stages/compare_result.h"
 
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
@@ -97,6 +98,26 @@ nlohmann::ordered_json CompareWithTruth(const std::vector<TumPose>& estimate,
   json["map"] = ToJson(CompareMap(map));
   json["rocks"] = ToJson(CompareRocks(map));
   return json;
+}
+
+std::string DoubtOfTruth(const nlohmann::ordered_json& metrics) {
+  if (metrics.contains("error")) return metrics["error"];
+  constexpr double kTimes = 2.0;
+  const auto figure = [&](const char* name) { return metrics.value(name, 0.0); };
+  const double matched = figure("coverage") * figure("gt_frames"), frames = figure("frames");
+  if (metrics.contains("coverage") && kTimes * matched < frames) {
+    return fmt::format("poses at {:.0f} of the result's {:.0f} moments only", matched, frames);
+  }
+  const double path_m = figure("path_m"), found_m = figure("est_path_m");
+  if (metrics.contains("path_m") && (path_m > kTimes * found_m || found_m > kTimes * path_m)) {
+    return fmt::format("a path of {:.2f} m, where the result has {:.2f} m", path_m, found_m);
+  }
+  return "";
+}
+
+void WarnOfTruth(const nlohmann::ordered_json& metrics, const fs::path& truth_path) {
+  const std::string doubt = DoubtOfTruth(metrics);
+  if (!doubt.empty()) spdlog::warn("{}: {}: of another drive?", truth_path.string(), doubt);
 }
 
 namespace {

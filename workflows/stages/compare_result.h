@@ -42,6 +42,12 @@ nlohmann::ordered_json CompareWithTruth(const std::vector<TumPose>& estimate,
                                         const std::filesystem::path& map_ply,
                                         const EvaluationOptions& options);
 
+// What makes these figures look as if the truth were of another drive: few poses at the same time,
+// a path of another length. Empty where nothing does.
+std::string DoubtOfTruth(const nlohmann::ordered_json& metrics);
+// Says so.
+void WarnOfTruth(const nlohmann::ordered_json& metrics, const std::filesystem::path& truth_path);
+
 struct SurveyedResult {
   const Trajectory& trajectory;
   const StereoRig& rig;

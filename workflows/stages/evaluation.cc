@@ -24,6 +24,7 @@ EvaluationTexts MakeMetrics(const StageContext& context, const Dataset& dataset,
   Report metrics;
   if (!truth.path.empty()) {
     metrics = CompareWithTruth(PosesOf(part.trajectory), truth.path, map, options);
+    WarnOfTruth(metrics, truth.path);
   }
   for (const Step& step : steps) {
     Report of_step;
