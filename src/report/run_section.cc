@@ -55,9 +55,15 @@ std::string Files(const std::filesystem::path& root) {
       KnownFile{"evaluation.json", "errors against truth, fixes and survey"},
       KnownFile{"trajectory.tum", "poses, for other programs"},
       KnownFile{"trajectory.csv", "poses with sigmas, for spreadsheets"},
+      KnownFile{"posegraph.g2o", "poses, steps and loop closures, for g2o and its like"},
+      KnownFile{"sparse", "the adjusted points and poses, for COLMAP"},
       KnownFile{"dense.ply", "the map: open it in CloudCompare or MeshLab"},
+      KnownFile{"dense.las", "the map, for a GIS and LAStools"},
       KnownFile{"height.tif", "heights from above, for a GIS"},
       KnownFile{"ortho.tif", "colours from above, for a GIS"},
+      KnownFile{"terrain.tif", "slope, roughness and steps under a rover, for a GIS"},
+      KnownFile{"georeference.json", "where the world lies on Earth"},
+      KnownFile{"route.kml", "the route and rocks on Earth"},
       KnownFile{"rig_refined.yaml", "the corrected rig"},
       KnownFile{"config.yaml", "all options of this run"}};
   HtmlTable table({"File beside this page", "Holds"});
