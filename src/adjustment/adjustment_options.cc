@@ -67,7 +67,7 @@ OptionFields AdjustmentOptions::Fields() {
        "Sigmas of poses and rig grow by this factor, beside what the residuals of whole tracks "
        "say: noise that all observations of a frame share (windows that are drawn aside by the "
        "same perspective, relief within them) leaves no trace in residuals. With 2 the squared "
-       "errors of simulated drives, over the variances stated, are 0.7 to 1.2 by kind of drive "
+       "errors of simulated drives, over the variances stated, are 0.7 to 1.3 by kind of drive "
        "(tools/sigmas)."},
       {"max_depth_baselines", &max_depth_baselines, "baselines", MoreThan(0.0),
        "Points further away are left out: they have less than a pixel of disparity and hardly move "
