@@ -11,6 +11,7 @@
 
 #include "core/error.h"
 #include "core/file.h"
+#include "core/stamp_steps.h"
 #include "dataset/internal/image_file.h"
 #include "imaging/image.h"
 
@@ -49,6 +50,15 @@ std::vector<StampNs> ReadTimes(const fs::path& path) {
     times.push_back(stamp_ns);
   }
   return times;
+}
+
+// Sequences have pairs a fraction of a second to a few seconds apart.
+void RemarkOnTimes(const std::vector<StampNs>& times, const fs::path& path, DatasetHealth& health) {
+  constexpr double kShortest_s = 1e-3, kLongest_s = 100.0;
+  const double usual_s = 1e-9 * static_cast<double>(StepsOf(times).usual_ns);
+  if (times.size() < 2 || (usual_s >= kShortest_s && usual_s <= kLongest_s)) return;
+  health.remarks.push_back(fmt::format("{}: pairs are {:.3g} s apart: are the times in seconds?",
+                                       path.string(), usual_s));
 }
 
 void NoteUnreadable(const std::vector<fs::path>& images, DatasetHealth& health) {
@@ -157,6 +167,7 @@ Dataset ReadStereoFolder(const fs::path& folder) {
   NoteUnreadable(left, dataset.health);
   NoteUnreadable(right, dataset.health);
   RemarkOnNames(dataset.frames, dataset.health);
+  RemarkOnTimes(times, times_path, dataset.health);
   for (const char* name : {"groundtruth_tum.txt", "groundtruth_xy.txt"}) {
     const fs::path truth = folder / name;
     std::error_code ignored;

@@ -127,6 +127,14 @@ TEST_F(StereoFolderTest, PairsOfDifferentNumbersAreRemarkedOn) {
   EXPECT_THAT(Read().health.remarks, testing::ElementsAre(HasSubstr("1 of 3 pairs")));
 }
 
+TEST_F(StereoFolderTest, TimesThatAreNoSecondsAreRemarkedOn) {
+  folder_.Write("times.txt", "10500\n11000\n11500\n");
+  EXPECT_THAT(Read().health.remarks,
+              testing::ElementsAre(HasSubstr("times.txt: pairs are 500 s apart")));
+  folder_.Write("times.txt", "10\n10.0005\n10.001\n");
+  EXPECT_THAT(Read().health.remarks, testing::ElementsAre(HasSubstr("0.0005 s apart")));
+}
+
 TEST_F(StereoFolderTest, NumbersWithoutZerosBeforeThemAreRefused) {
   for (const char* eye : {"left", "right"}) {
     for (const char* name : {"000.png", "001.png", "002.png"}) {
