@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "core/error.h"
 #include "core/file.h"
@@ -99,19 +100,38 @@ nlohmann::ordered_json Metrics(const EvaluateRequest& request) {
   }
 }
 
-// Whether the result is trusted, and how good it says it is.
-std::string Standing(const std::filesystem::path& out) {
+// Per cent; nothing where no truth tells.
+std::optional<double> ScaleErrorPct(const nlohmann::ordered_json& metrics) {
+  if (const auto error = metrics.find("scale_error_pct"); error != metrics.end()) {
+    return error->get<double>();
+  }
+  const auto factor = metrics.find("scale_truth_over_est");
+  if (factor == metrics.end()) return std::nullopt;
+  return 100.0 * std::abs(factor->get<double>() - 1.0);
+}
+
+// Whether the result is trusted, how good it says it is, and whether the truth bears that out.
+std::string Standing(const std::filesystem::path& out, const nlohmann::ordered_json& metrics) {
   const auto path = out / "summary.json";
   if (!std::filesystem::exists(path)) return "";
   try {
     const auto summary = nlohmann::ordered_json::parse(ReadTextFile(path));
     const std::string status = summary.at("status");
     const auto& text = summary.at("verdict").at("text");
-    return fmt::format("{}{}\n",
-                       status == "ok"          ? "trusted"
-                       : status == "untrusted" ? "NOT TRUSTED"
-                                               : status,
-                       text.is_string() ? ": " + text.get<std::string>() : "");
+    std::string lines = fmt::format("{}{}\n",
+                                    status == "ok"          ? "trusted"
+                                    : status == "untrusted" ? "NOT TRUSTED"
+                                                            : status,
+                                    text.is_string() ? ": " + text.get<std::string>() : "");
+    const auto error_pct = ScaleErrorPct(metrics);
+    const auto& verdict = summary.at("verdict");
+    if (error_pct && verdict.contains("scale_95_pct") && verdict["scale_95_pct"].is_number()) {
+      const double stated_pct = verdict["scale_95_pct"];
+      lines += fmt::format("scale off by {:.2g} %, {} {:.2g} % stated{}\n", *error_pct,
+                           *error_pct <= stated_pct ? "within the" : "more than the", stated_pct,
+                           *error_pct <= stated_pct ? "" : ": this or the truth is wrong");
+    }
+    return lines;
   } catch (const nlohmann::json::exception&) {
     throw DataError(
         fmt::format("{}: expected a summary of a run, found something else", path.string()));
@@ -147,7 +167,7 @@ std::filesystem::path WholeTruth(const std::filesystem::path& truth) {
 std::string EvaluatePart(const EvaluateRequest& request) {
   const auto metrics = Metrics(request);
   if (request.json) return metrics.dump() + "\n";
-  return Standing(request.out) + FormatMetrics(metrics);
+  return Standing(request.out, metrics) + FormatMetrics(metrics);
 }
 
 }  // namespace rigmap

@@ -68,6 +68,17 @@ TEST_F(EvaluatePartTest, SaysFirstWhetherTheResultIsTrusted) {
   EXPECT_THAT(ErrorOf({out_, truth_, false}), HasSubstr("summary.json: expected a summary"));
 }
 
+TEST_F(EvaluatePartTest, SaysWhetherTheTruthBearsOutWhatIsStated) {
+  const auto with = [&](const std::string& stated) {
+    WriteTestFile(out_ / "summary.json",
+                  R"({"status": "ok", "verdict": {"text": null, "scale_95_pct": )" + stated + "}}");
+    return EvaluatePart({out_, truth_, false});
+  };
+  EXPECT_THAT(with("12.0"), HasSubstr("\nscale off by 10 %, within the 12 % stated\n"));
+  EXPECT_THAT(with("2.5"), HasSubstr("\nscale off by 10 %, more than the 2.5 % stated: this or"));
+  EXPECT_THAT(with("null"), testing::Not(HasSubstr("scale off by")));
+}
+
 TEST(DoubtOfTruthTest, IsOfFewPosesAndOfAnotherLength) {
   const auto doubt = [](double coverage, double path_m) {
     return DoubtOfTruth({{"frames", 127},
