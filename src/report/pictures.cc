@@ -8,13 +8,14 @@
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
+#include "imaging/image.h"
 #include "report/base64.h"
 
 namespace rigmap {
 
 std::string PictureUrl(const std::filesystem::path& path, int side_px, int quality) {
-  std::error_code ignored;
-  if (!std::filesystem::exists(path, ignored)) return "";
+  // OpenCV decodes what is left of a file that was cut, and libjpeg says so on standard error.
+  if (!IsWholeImage(path)) return "";
   try {
     constexpr int kAsStored =
         cv::IMREAD_COLOR | cv::IMREAD_ANYDEPTH | cv::IMREAD_IGNORE_ORIENTATION;

@@ -26,5 +26,19 @@ TEST(PictureUrl, ShowsImagesOfTwelveBits) {
   EXPECT_EQ(url(twelve), url(eight));
 }
 
+TEST(PictureUrl, OfAnImageThatWasCutThereIsNone) {
+  const TemporaryFolder folder;
+  const auto path = folder.Path() / "image.jpg";
+  EXPECT_EQ(PictureUrl(path, 64, 90), "");
+  cv::Mat noise(480, 640, CV_8UC1);
+  cv::randu(noise, 0, 255);
+  cv::imwrite(path.string(), noise);
+  EXPECT_NE(PictureUrl(path, 64, 90), "");
+  std::filesystem::resize_file(path, std::filesystem::file_size(path) / 2);
+  testing::internal::CaptureStderr();
+  EXPECT_EQ(PictureUrl(path, 64, 90), "");
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
+}
+
 }  // namespace
 }  // namespace rigmap
