@@ -118,18 +118,20 @@ std::string Standing(const std::filesystem::path& out, const nlohmann::ordered_j
     const auto summary = nlohmann::ordered_json::parse(ReadTextFile(path));
     const std::string status = summary.at("status");
     const auto& text = summary.at("verdict").at("text");
+    const auto& stated = summary.at("verdict").value("scale_95_pct", nlohmann::ordered_json());
     std::string lines = fmt::format("{}{}\n",
-                                    status == "ok"          ? "trusted"
-                                    : status == "untrusted" ? "NOT TRUSTED"
-                                                            : status,
+                                    status == "untrusted" ? "NOT TRUSTED"
+                                    : status != "ok"      ? status
+                                    : stated.is_number()  ? "trusted"
+                                                          : "consistent",
                                     text.is_string() ? ": " + text.get<std::string>() : "");
     const auto error_pct = ScaleErrorPct(metrics);
-    const auto& verdict = summary.at("verdict");
-    if (error_pct && verdict.contains("scale_95_pct") && verdict["scale_95_pct"].is_number()) {
-      const double stated_pct = verdict["scale_95_pct"];
-      lines += fmt::format("scale off by {:.2g} %, {} {:.2g} % stated{}\n", *error_pct,
-                           *error_pct <= stated_pct ? "within the" : "more than the", stated_pct,
-                           *error_pct <= stated_pct ? "" : ": this or the truth is wrong");
+    if (error_pct && stated.is_number()) {
+      const double stated_pct = stated;
+      const bool is_within = *error_pct <= stated_pct;
+      lines += fmt::format("scale off by {:.2g} %, {} the {:.2g} % stated{}\n", *error_pct,
+                           is_within ? "within" : "more than", stated_pct,
+                           is_within ? "" : ": this or the truth is wrong");
     }
     return lines;
   } catch (const nlohmann::json::exception&) {

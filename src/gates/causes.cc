@@ -14,11 +14,6 @@ constexpr std::string_view kSameMoment =
 constexpr std::string_view kThisRig =
     "check that the rig file is of these cameras at this image size, left and right not exchanged; "
     "else calibrate them anew and give that file with --rig";
-constexpr std::string_view kThisRigAndMoment =
-    "check that left and right images are of the same moment, not out of step by a pair, and that "
-    "the "
-    "rig file is of these cameras at this image size, left and right not exchanged; else calibrate "
-    "them anew and give that file with --rig";
 constexpr std::string_view kManyDrives =
     "run other drives of the same rig, with curves; rigmap calibrate FOLDER FOLDER ... --rig-out "
     "rig.yaml makes one calibration of all their results; then run this one again with --rig "
@@ -78,7 +73,9 @@ Cause RigDoesNotFit(const Failed& failed) {
           fmt::format("left and right images do not fit the rig file: half of the points lie {} px "
                       "and more beside the line on which it has them (expected: at most {} px)",
                       ValueText(gate), LimitText(gate)),
-          std::string(kThisRigAndMoment)};
+          fmt::format("check that left and right images are of the same moment, not out of step by "
+                      "a pair; {}",
+                      kThisRig)};
 }
 
 Cause NothingToFollow(const Failed& failed) {

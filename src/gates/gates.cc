@@ -41,9 +41,10 @@ void JudgeAccuracy(const GateInputs& inputs, const PoseGateOptions& options, Gat
                                        {inputs.positions_known, inputs.calibration_scale_sigma});
   gates.push_back(AtMost("scale_95_pct", accuracy.scale_95_pct, options.accuracy_pct,
                          "the scale is known to so many per cent (95 %) only"));
-  gates.push_back(AtMost("position_95_pct", accuracy.position_95_pct, options.accuracy_pct,
-                         "positions are known to so many per cent of the path, or of a metre if "
-                         "that is longer (95 %), only"));
+  gates.push_back(
+      AtMost("position_95_pct", accuracy.position_95_pct, options.accuracy_pct,
+             "positions are known to so many per cent (95 %) of the path, or of a metre "
+             "if that is longer, only"));
 }
 
 // How far off the steps of any few that follow each other are, in limits: a map that is torn or

@@ -83,9 +83,8 @@ std::string MapSection(const PartContent& content) {
   row("Points", "/points", Quantity::kCount, "in dense.ply");
   row("Points shown", "/points_shown", Quantity::kCount, "in this page, taken evenly from all");
   row("Finest voxel", "/finest_m", Quantity::kMetres,
-      "smallest side of the cubes in which measurements are merged: half as large on steep faces "
-      "as "
-      "on the ground (voxel_m of summary.json), coarser where less is known");
+      "side of the cubes in which measurements are merged on steep faces; twice as large on the "
+      "ground (voxel_m of summary.json), coarser where less is known");
   const FigureSource summary = content.folder.Summary();
   const auto limit = [&](const char* name, const char* key, Quantity quantity) {
     if (!HasFigure(summary, key)) return;

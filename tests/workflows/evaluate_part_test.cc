@@ -61,7 +61,10 @@ TEST_F(EvaluatePartTest, SaysFirstWhetherTheResultIsTrusted) {
                   R"({"status": ")" + status + R"(", "verdict": {"text": )" + text + "}}");
     return EvaluatePart({out_, truth_, false});
   };
-  EXPECT_EQ(with("ok", R"("metres good to 1 %")"), "trusted: metres good to 1 %\n" + metrics);
+  EXPECT_EQ(with("ok", R"("metres good to 1 %", "scale_95_pct": 12)"),
+            "trusted: metres good to 1 %\nscale off by 10 %, within the 12 % stated\n" + metrics);
+  EXPECT_EQ(with("ok", R"("nothing checks the metres", "scale_95_pct": null)"),
+            "consistent: nothing checks the metres\n" + metrics);
   EXPECT_EQ(with("untrusted", R"("torn")"), "NOT TRUSTED: torn\n" + metrics);
   EXPECT_EQ(with("partial", "null"), "partial\n" + metrics);
   WriteTestFile(out_ / "summary.json", "{}");
