@@ -21,6 +21,12 @@ std::vector<std::optional<Rigid3>> RelaxPoses(
     const std::vector<std::optional<Rigid3>>& world_from_left, const Odometry& odometry,
     const std::vector<LoopClosure>& loop_closures);
 
+// The same for groups of frames, each of which is rigid and keeps its shape: `group` names that of
+// each frame that has a pose. What ties frames within a group counts for nothing.
+std::vector<std::optional<Rigid3>> RelaxGroups(
+    const std::vector<std::optional<Rigid3>>& world_from_left, const std::vector<int>& group,
+    const Odometry& odometry, const std::vector<LoopClosure>& loop_closures);
+
 // Takes out the loop closures that are five of their sigmas or more off these poses, and returns
 // them: wrong ones, where an adjustment has found that all else contradicts them.
 std::vector<LoopClosure> TakeContradicted(const std::vector<std::optional<Rigid3>>& world_from_left,

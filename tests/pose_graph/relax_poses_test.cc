@@ -148,5 +148,53 @@ TEST(RelaxPoses, MovesWithTheWholePart) {
   }
 }
 
+// The circle in three pieces, each of its true shape; the later ones lie where a drifting odometry
+// has carried them.
+struct Pieces {
+  std::vector<int> group;  // by their first frame
+  Poses poses;
+};
+
+Pieces CarriedAlong(const std::vector<Rigid3>& truth) {
+  const Rigid3 drift{ExpRotation({0.0, 0.0, 0.02}), {0.05, 0.02, 0.0}};
+  Pieces pieces;
+  Rigid3 moved;
+  for (int i = 0; i < kFrames; ++i) {
+    const bool begins = i == 40 || i == 75;
+    if (begins) moved = truth[i] * drift * truth[i].Inverse() * moved;
+    pieces.group.push_back(i < 40 ? 0 : i < 75 ? 40 : 75);
+    pieces.poses.push_back(moved * truth[i]);
+  }
+  return pieces;
+}
+
+TEST(RelaxGroups, ClosesTheLoopAndKeepsTheShapeOfEachGroup) {
+  const std::vector<Rigid3> truth = Circle();
+  const Pieces pieces = CarriedAlong(truth);
+  const Poses relaxed =
+      RelaxGroups(pieces.poses, pieces.group, Chain(), {TrueLoopClosure(truth, 2, kFrames - 3)});
+  const Rigid3 closed = relaxed[kFrames - 3]->Inverse() * *relaxed[2],
+               expected = truth[kFrames - 3].Inverse() * truth[2];
+  EXPECT_GT(WorstError_m(pieces.poses, truth), 0.1);
+  EXPECT_LT((closed.translation - expected.translation).norm(), 0.01);
+  EXPECT_LT(WorstError_m(relaxed, truth), 0.5 * WorstError_m(pieces.poses, truth));
+  for (int i = 0; i < kFrames; ++i) {
+    const int first = pieces.group[i];
+    const Rigid3 kept = relaxed[first]->Inverse() * *relaxed[i],
+                 shape = truth[first].Inverse() * truth[i];
+    EXPECT_LT((kept.translation - shape.translation).norm(), 1e-9) << i;
+  }
+}
+
+TEST(RelaxGroups, LeavesGroupsWhereNoLoopClosureTiesThem) {
+  const std::vector<Rigid3> truth = Circle();
+  const Pieces pieces = CarriedAlong(truth);
+  const LoopClosure within = TrueLoopClosure(truth, 2, 30);
+  const Poses relaxed = RelaxGroups(pieces.poses, pieces.group, Chain(), {within});
+  for (int i = 0; i < kFrames; ++i) {
+    EXPECT_EQ(relaxed[i]->translation, pieces.poses[i]->translation) << i;
+  }
+}
+
 }  // namespace
 }  // namespace rigmap

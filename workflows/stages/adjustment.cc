@@ -154,6 +154,10 @@ struct Adjuster {
       if (!falls_apart) best = std::move(cut);
     }
     CarryGroupsAlong(best.starting, best.adjustment);
+    // The odometry that carries them drifts; loop closures tie groups as well.
+    CarryGroupsAlong(RelaxGroups(best.adjustment.world_from_left, best.adjustment.datum_frames,
+                                 motions.steps, motions.loop_closures),
+                     best.adjustment);
     const std::vector<int>& apart = best.apart;
     AdjustedPart part = LayInWorld(dataset, motions.steps, std::move(best.adjustment));
     const auto contradicted =
