@@ -61,9 +61,10 @@ StageGraph JoinRecipe(const Dataset& data, const DatasetContent& data_content,
 
   const auto found = g.AddStage(JoinedFeatures(), Reading(), dataset, parts);
   const auto features = g.AddView(OpenFeatures, found);
-  const auto odometry = g.AddStage(
-      JoinedOdometry(), Reading(o.features, o.masks, o.odometry, o.dead_reckoning, o.filter),
-      dataset, features, parts);
+  const auto odometry =
+      g.AddStage(JoinedOdometry(),
+                 Reading(o.features, o.corners, o.masks, o.odometry, o.dead_reckoning, o.filter),
+                 dataset, features, parts);
   const auto matches = g.AddStage(Matching(), Reading(o.matching), dataset, features, odometry);
 
   const auto graph = g.AddView(NoGraph, odometry);
@@ -71,11 +72,11 @@ StageGraph JoinRecipe(const Dataset& data, const DatasetContent& data_content,
   const InTurn starts{StartingFrom::kOdometry, StartingFrom::kOdometry};
   AdjustmentStage adjustment = RigAdjustment();
   if (tie_to) PublishCalibrationOnly(adjustment);
-  const auto adjusted =
-      g.AddStage(adjustment,
-                 Reading(starts, o.features, o.masks, o.matching, o.adjustment, o.odometry,
-                         o.dead_reckoning, o.filter, o.gates.mapping, o.gates.adjustment),
-                 dataset, content, features, odometry, matches, graph, aligned);
+  const auto adjusted = g.AddStage(
+      adjustment,
+      Reading(starts, o.features, o.corners, o.masks, o.matching, o.adjustment, o.odometry,
+              o.dead_reckoning, o.filter, o.gates.mapping, o.gates.adjustment),
+      dataset, content, features, odometry, matches, graph, aligned);
   const auto gates =
       g.AddCheck(AdjustedGates(),
                  Reading(o.gates.mapping, o.gates.poses, o.gates.adjustment, o.gates.calibration),

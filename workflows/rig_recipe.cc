@@ -20,9 +20,9 @@ StageGraph RigRecipe(const Dataset& data, const DatasetContent& data_content,
   const auto found = g.AddStage(Features(), Reading(o.features, o.masks), dataset, content);
   const auto features = g.AddView(OpenFeatures, found);
   const auto seen = g.AddStage(VisualOdometry(), Reading(o.odometry), dataset, features);
-  const auto odometry =
-      g.AddStage(Bridging(), Reading(o.features, o.masks, o.odometry, o.dead_reckoning, o.filter),
-                 dataset, features, seen);
+  const auto odometry = g.AddStage(
+      Bridging(), Reading(o.features, o.corners, o.masks, o.odometry, o.dead_reckoning, o.filter),
+      dataset, features, seen);
 
   // verified correspondences -> COLMAP's database -> poses in COLMAP's gauge -> metres; where these
   // fail a gate, the adjustment starts from the odometry
@@ -33,11 +33,11 @@ StageGraph RigRecipe(const Dataset& data, const DatasetContent& data_content,
   const bool is_mapped = o.mapping.method != MappingMethod::kNone;
   const InTurn starts{is_mapped ? StartingFrom::kMapping : StartingFrom::kOdometry,
                       StartingFrom::kOdometry};
-  const auto adjusted =
-      g.AddStage(RigAdjustment(),
-                 Reading(starts, o.features, o.masks, o.matching, o.adjustment, o.odometry,
-                         o.dead_reckoning, o.filter, o.gates.mapping, o.gates.adjustment),
-                 dataset, content, features, odometry, matches, graph, aligned);
+  const auto adjusted = g.AddStage(
+      RigAdjustment(),
+      Reading(starts, o.features, o.corners, o.masks, o.matching, o.adjustment, o.odometry,
+              o.dead_reckoning, o.filter, o.gates.mapping, o.gates.adjustment),
+      dataset, content, features, odometry, matches, graph, aligned);
   const auto gates =
       g.AddCheck(AdjustedGates(),
                  Reading(o.gates.mapping, o.gates.poses, o.gates.adjustment, o.gates.calibration),

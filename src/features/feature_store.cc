@@ -61,6 +61,8 @@ FeatureSource FeatureStore::AsSource() const {
   return [this](int frame) { return Get(frame); };
 }
 
+const RigFixedCells& FeatureStore::rig_fixed() const { return state_->rig_fixed; }
+
 int FeatureStore::frame_count() const { return static_cast<int>(state_->files.size()); }
 
 }  // namespace rigmap

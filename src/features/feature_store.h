@@ -32,6 +32,7 @@ class FeatureStore {
   // The same as a function; this must outlive it.
   FeatureSource AsSource() const;
   int frame_count() const;
+  const RigFixedCells& rig_fixed() const;
 
  private:
   struct State;

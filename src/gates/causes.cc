@@ -51,8 +51,10 @@ Origin OriginOf(const Failed& failed) {
     return {"part of the way is guessed", AdviceOnGaps(failed)};
   }
   if (!accuracy.noise_95_pct) {
-    return {"the errors of single steps add up",
-            "let --technique rig adjust all steps together, or take more images on the same way"};
+    return {
+        "the errors of single steps add up",
+        "take more images on the same way, so that neighbours share more; --technique rig adjusts "
+        "together what shares points"};
   }
   if (share(accuracy.baseline_95_pct) > kMost) {
     return {"most of it is what the rig file says its baseline may be off by",

@@ -34,8 +34,25 @@ std::optional<Found> Solve(const Reference& reference, const FrameFeatures& curr
   const auto pose = EstimateStereoPose(seen.sightings, rig, guesses, pose_options);
   if (!pose) return std::nullopt;
   const std::vector<FeatureMatch> agreeing = seen.Agreeing(*pose);
-  return Found{pose->current_from_reference, pose->covariance, pose->inlier_count,
-               MedianShift(reference, current, agreeing), MetresSigma(reference.points, agreeing)};
+  return Found{pose->current_from_reference,
+               pose->covariance,
+               pose->inlier_count,
+               static_cast<int>(seen.sightings.size()),
+               MedianShift(reference, current, agreeing),
+               MetresSigma(reference.points, agreeing)};
+}
+
+Vector6d MotionOf(const Found& found) {
+  Vector6d motion;
+  motion << found.current_from_reference.translation,
+      LogRotation(found.current_from_reference.rotation);
+  return motion;
+}
+
+bool StandsStill(const Found& found, const OdometryOptions& options) {
+  const Vector6d motion = MotionOf(found);
+  const double squared_sigmas = motion.dot(found.covariance.ldlt().solve(motion)) / 6.0;
+  return squared_sigmas < options.stand_still_sigmas * options.stand_still_sigmas;
 }
 
 }  // namespace
@@ -67,6 +84,21 @@ std::optional<Found> FindMotion(const Reference& reference, const FrameFeatures&
   auto wider = Solve(reference, current, everywhere, rig, predicted, options);
   if (!found || (wider && wider->inliers > found->inliers)) return wider;
   return found;
+}
+
+void SetPose(const Found& found, int reference, const Rigid3& world_from_reference,
+             const OdometryOptions& options, OdometryFrame& frame) {
+  frame.reference = reference;
+  frame.source = PoseSource::kOdometry;
+  frame.inliers = found.inliers;
+  frame.step_covariance = options.shared_noise * options.shared_noise * found.covariance;
+  frame.stands_still = StandsStill(found, options);
+  const Eigen::Vector3d unsure = found.metres_sigma * found.current_from_reference.translation;
+  frame.step_covariance.topLeftCorner<3, 3>() += unsure * unsure.transpose();
+  // It may creep: what is taken for none counts.
+  if (frame.stands_still) frame.step_covariance += MotionOf(found) * MotionOf(found).transpose();
+  const Rigid3 motion = frame.stands_still ? Rigid3() : found.current_from_reference;
+  frame.world_from_left = world_from_reference * motion.Inverse();
 }
 
 }  // namespace rigmap

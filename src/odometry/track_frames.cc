@@ -11,19 +11,6 @@
 namespace rigmap {
 namespace {
 
-Vector6d MotionOf(const Found& found) {
-  Vector6d motion;
-  motion << found.current_from_reference.translation,
-      LogRotation(found.current_from_reference.rotation);
-  return motion;
-}
-
-bool StandsStill(const Found& found, const OdometryOptions& options) {
-  const Vector6d motion = MotionOf(found);
-  const double squared_sigmas = motion.dot(found.covariance.ldlt().solve(motion)) / 6.0;
-  return squared_sigmas < options.stand_still_sigmas * options.stand_still_sigmas;
-}
-
 bool NeedsKeyframe(const Found& found, const Reference& reference, const StereoRig& rig,
                    const OdometryOptions& options) {
   return found.inliers < options.keyframe_min_seen_share * reference.point_count ||
@@ -33,22 +20,6 @@ bool NeedsKeyframe(const Found& found, const Reference& reference, const StereoR
 // True where there is enough to pose other frames against.
 bool CanCarry(const Reference& reference, const OdometryOptions& options) {
   return reference.point_count >= options.min_inliers;
-}
-
-// Fills the frame's pose and what is known of it, from its motion against a reference.
-void SetPose(const Found& found, int reference, const Rigid3& world_from_reference,
-             const OdometryOptions& options, OdometryFrame& frame) {
-  frame.reference = reference;
-  frame.source = PoseSource::kOdometry;
-  frame.inliers = found.inliers;
-  frame.step_covariance = options.shared_noise * options.shared_noise * found.covariance;
-  frame.stands_still = StandsStill(found, options);
-  const Eigen::Vector3d unsure = found.metres_sigma * found.current_from_reference.translation;
-  frame.step_covariance.topLeftCorner<3, 3>() += unsure * unsure.transpose();
-  // It may creep: what is taken for none counts.
-  if (frame.stands_still) frame.step_covariance += MotionOf(found) * MotionOf(found).transpose();
-  const Rigid3 motion = frame.stands_still ? Rigid3() : found.current_from_reference;
-  frame.world_from_left = world_from_reference * motion.Inverse();
 }
 
 // Of frames counted from `start`.

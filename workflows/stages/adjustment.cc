@@ -222,13 +222,13 @@ AdjustedPart MakeAdjusted(const StageContext&, const Dataset& dataset, const Dat
                           const FeatureStore& features, const Odometry& odometry,
                           const Correspondences& matches, const KeyframeGraph& graph,
                           const AlignedKeyframes& aligned, const InTurn<StartingFrom>& ways,
-                          const FeatureOptions& of_features, const MaskOptions& masks,
-                          const MatchingOptions& matching, const AdjustmentOptions& options,
-                          const OdometryOptions& odometry_options,
+                          const FeatureOptions& of_features, const CornerOptions& corners,
+                          const MaskOptions& masks, const MatchingOptions& matching,
+                          const AdjustmentOptions& options, const OdometryOptions& odometry_options,
                           const DeadReckoningOptions& rover, const FilterOptions& filter,
                           const MappingGateOptions& mapping_gates,
                           const AdjustmentGateOptions& gates) {
-  const BridgingOptions bridging{of_features, masks, odometry_options, rover, filter};
+  const BridgingOptions bridging{of_features, corners, masks, odometry_options, rover, filter};
   const auto shape = ShapeOf(aligned.world_from_left.empty() ? nullptr : &aligned);
   return AdjustInTurn(
       {dataset, features, odometry, matches, PosesByFrame(aligned, graph, odometry.size()),

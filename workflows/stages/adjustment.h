@@ -8,6 +8,7 @@
 #include "adjustment/adjust.h"
 #include "dataset/dataset_content.h"
 #include "dead_reckoning/dead_reckoning_options.h"
+#include "features/corner_tracker.h"
 #include "features/feature_options.h"
 #include "features/feature_store.h"
 #include "gates/gates.h"
@@ -32,7 +33,7 @@ using AdjustmentStage =
     Stage<AdjustedPart,
           Takes<Dataset, DatasetContent, FeatureStore, Odometry, Correspondences, KeyframeGraph,
                 AlignedKeyframes>,
-          Reads<InTurn<StartingFrom>, FeatureOptions, MaskOptions, MatchingOptions,
+          Reads<InTurn<StartingFrom>, FeatureOptions, CornerOptions, MaskOptions, MatchingOptions,
                 AdjustmentOptions, OdometryOptions, DeadReckoningOptions, FilterOptions,
                 MappingGateOptions, AdjustmentGateOptions>>;
 // Where what was mapped fails its gates the adjustment starts from the odometry. Where the images

@@ -57,12 +57,13 @@ ExpectedMotion MotionInParts(const JoinedParts& parts) {
 
 Odometry MakeOdometry(const StageContext&, const Dataset& dataset, const FeatureStore& features,
                       const JoinedParts& parts, const FeatureOptions& of_features,
-                      const MaskOptions& masks, const OdometryOptions& options,
-                      const DeadReckoningOptions& rover, const FilterOptions& filter) {
+                      const CornerOptions& corners, const MaskOptions& masks,
+                      const OdometryOptions& options, const DeadReckoningOptions& rover,
+                      const FilterOptions& filter) {
   Odometry odometry =
       Bridged(dataset, dataset.rig, features,
               TrackAll(dataset, features, options, MatchBy::kDescriptors, MotionInParts(parts)),
-              {of_features, masks, options, rover, filter});
+              {of_features, corners, masks, options, rover, filter});
   for (std::size_t i = 0; i < odometry.size(); ++i) {
     odometry[i].keyframe = parts.keyframes[i] != 0;
   }

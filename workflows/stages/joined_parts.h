@@ -41,11 +41,11 @@ JoinedFeaturesStage JoinedFeatures();
 
 // One chain over all parts and their seams: the motion from frame to frame is measured anew, which
 // costs hardly anything, so that a step across a seam is like any other. Where it loses its way
-// lone images or the rover's wheels and gyro bridge the gap, if they can. Keyframes stay those of
-// the parts, whose depth is known.
-using JoinedOdometryStage =
-    Stage<Odometry, Takes<Dataset, FeatureStore, JoinedParts>,
-          Reads<FeatureOptions, MaskOptions, OdometryOptions, DeadReckoningOptions, FilterOptions>>;
+// corners, lone images or the rover's wheels and gyro bridge the gap, if they can. Keyframes stay
+// those of the parts, whose depth is known.
+using JoinedOdometryStage = Stage<Odometry, Takes<Dataset, FeatureStore, JoinedParts>,
+                                  Reads<FeatureOptions, CornerOptions, MaskOptions, OdometryOptions,
+                                        DeadReckoningOptions, FilterOptions>>;
 JoinedOdometryStage JoinedOdometry();
 
 // As TrajectorySteps, of the whole: after odometry, of the parts' own trajectories chained by the

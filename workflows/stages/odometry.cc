@@ -7,6 +7,7 @@
 #include "core/progress.h"
 #include "dead_reckoning/bridge_gaps.h"
 #include "features/extract_features.h"
+#include "odometry/followed_corners.h"
 #include "odometry/lone_views.h"
 #include "pipeline/code_identity.h"
 #include "workflows/stages/joinable.h"
@@ -64,12 +65,46 @@ class LoneViews {
   std::map<std::string, FrameFeatures> known_;
 };
 
+// Corners of pairs of frames, as `rig` sees them.
+class Corners {
+ public:
+  Corners(const Dataset& dataset, const StereoRig& rig, const RigFixedCells& rig_fixed,
+          const BridgingOptions& options)
+      : dataset_(dataset), rig_(rig), rig_fixed_(rig_fixed), options_(options) {}
+
+  FollowedCorners Follow(int from, int to) {
+    const StereoFrame &earlier = dataset_.frames[from], &later = dataset_.frames[to];
+    if (!HasImages(earlier) || !HasImages(later)) return {};
+    if (!setup_) setup_ = MakeFeatureSetup(rig_, options_.features, options_.masks);
+    CornerTracker tracker(*setup_, options_.corners);
+    FollowedCorners corners;
+    corners.from = tracker.Next(earlier);
+    corners.to = tracker.Next(later);
+    rig_fixed_.RemoveFrom(corners.from);
+    rig_fixed_.RemoveFrom(corners.to);
+    return corners;
+  }
+
+ private:
+  // Parts are joined without their images, too.
+  static bool HasImages(const StereoFrame& frame) {
+    return std::filesystem::exists(frame.left_path) && std::filesystem::exists(frame.right_path);
+  }
+
+  const Dataset& dataset_;
+  const StereoRig& rig_;
+  const RigFixedCells& rig_fixed_;
+  const BridgingOptions& options_;
+  std::optional<FeatureSetup> setup_;
+};
+
 Odometry MakeBridged(const StageContext&, const Dataset& dataset, const FeatureStore& features,
                      const Odometry& odometry, const FeatureOptions& of_features,
-                     const MaskOptions& masks, const OdometryOptions& options,
-                     const DeadReckoningOptions& rover, const FilterOptions& filter) {
+                     const CornerOptions& corners, const MaskOptions& masks,
+                     const OdometryOptions& options, const DeadReckoningOptions& rover,
+                     const FilterOptions& filter) {
   return Bridged(dataset, dataset.rig, features, odometry,
-                 {of_features, masks, options, rover, filter});
+                 {of_features, corners, masks, options, rover, filter});
 }
 
 Report ReportOdometry(const Odometry& odometry, const Dataset&, const FeatureStore&) {
@@ -97,6 +132,9 @@ Odometry TrackAll(const Dataset& dataset, const FeatureStore& features,
 
 Odometry Bridged(const Dataset& dataset, const StereoRig& rig, const FeatureStore& features,
                  Odometry odometry, const BridgingOptions& options) {
+  Corners corners(dataset, rig, features.rig_fixed(), options);
+  const auto follow = [&](int from, int to) { return corners.Follow(from, to); };
+  odometry = BridgeByCorners(std::move(odometry), follow, rig, options.odometry);
   LoneViews views(dataset, features, options);
   const auto between = [&](StampNs after, StampNs before) { return views.Between(after, before); };
   return BridgeGaps(
@@ -118,11 +156,13 @@ OdometryStage VisualOdometry() {
 }
 
 BridgingStage Bridging() {
-  return {
-      .name = "bridging",
-      .about = "the motion where stereo images lose their way: by lone images, by wheels and gyro",
-      .code = CodeHere(),
-      .make = MakeBridged};
+  return {.name = "bridging",
+          .about =
+              "the motion where keypoints lose their way: by corners that are followed, by lone "
+              "images, by "
+              "wheels and gyro",
+          .code = CodeHere(),
+          .make = MakeBridged};
 }
 
 Odometry ReadJoinableOdometry(const std::filesystem::path& root) {

@@ -4,6 +4,7 @@
 #include <filesystem>
 
 #include "dead_reckoning/dead_reckoning_options.h"
+#include "features/corner_tracker.h"
 #include "features/feature_options.h"
 #include "features/feature_store.h"
 #include "imaging/mask_options.h"
@@ -18,20 +19,22 @@ OdometryStage VisualOdometry();
 
 // What tells the way where the odometry has lost it.
 struct BridgingOptions {
-  const FeatureOptions& features;  // of lone images
+  const FeatureOptions& features;  // of lone images, and of matches of corners in the other eye
+  const CornerOptions& corners;
   const MaskOptions& masks;
   const OdometryOptions& odometry;
   const DeadReckoningOptions& rover;
   const FilterOptions& filter;
 };
-// By images of which the other eye's is missing or cannot be read (lone_views.h), then by wheels
-// and gyro (bridge_gaps.h). `rig`: what the odometry was made with.
+// By corners that are followed (followed_corners.h), by images of which the other eye's is missing
+// or cannot be read (lone_views.h), then by wheels and gyro (bridge_gaps.h). `rig`: what the
+// odometry was made with.
 Odometry Bridged(const Dataset& dataset, const StereoRig& rig, const FeatureStore& features,
                  Odometry odometry, const BridgingOptions& options);
 
-using BridgingStage =
-    Stage<Odometry, Takes<Dataset, FeatureStore, Odometry>,
-          Reads<FeatureOptions, MaskOptions, OdometryOptions, DeadReckoningOptions, FilterOptions>>;
+using BridgingStage = Stage<Odometry, Takes<Dataset, FeatureStore, Odometry>,
+                            Reads<FeatureOptions, CornerOptions, MaskOptions, OdometryOptions,
+                                  DeadReckoningOptions, FilterOptions>>;
 BridgingStage Bridging();
 
 // As the stage has left it in a part's folder. Throws DataError (joinable.h).

@@ -25,6 +25,7 @@ struct Found {
   Rigid3 current_from_reference;
   Matrix6d covariance = Matrix6d::Zero();
   int inliers = 0;
+  int matches = 0;               // that could have agreed
   double median_shift_px = 0.0;  // of the inliers' left pixels
   double metres_sigma = 0.0;     // as a share of its length, beyond its covariance
 };
@@ -37,5 +38,9 @@ Reference MakeReference(int frame, FrameFeatures features, const StereoRig& rig,
 std::optional<Found> FindMotion(const Reference& reference, const FrameFeatures& current,
                                 const StereoRig& rig, const Rigid3& predicted,
                                 const OdometryOptions& options, MatchBy match_by);
+
+// Fills the frame's pose and what is known of it, from its motion against a reference.
+void SetPose(const Found& found, int reference, const Rigid3& world_from_reference,
+             const OdometryOptions& options, OdometryFrame& frame);
 
 }  // namespace rigmap
