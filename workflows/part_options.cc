@@ -65,7 +65,10 @@ std::vector<OptionSection> PartOptions::Sections() {
        masks.Fields()},
       {"features", "Keypoints of the left images and their stereo matches in the right ones.",
        features.Fields()},
-      {"klt", "Corners followed from frame to frame, of the technique klt.", corners.Fields()},
+      {"klt",
+       "Corners followed from frame to frame: by the technique klt, and where keypoints lose the "
+       "way.",
+       corners.Fields()},
       {"odometry", "Motion from frame to keyframe.", odometry.Fields()},
       {"dead_reckoning", "Motion by wheels, gyro and inclinometer: what is known of these.",
        dead_reckoning.Fields()},

@@ -35,7 +35,7 @@ const std::map<std::string, Names> kReaders{
     {"colmap", {}},
     {"mapping", {"mapping"}},
     {"mapping.tracks_per_keyframe", {"database"}},
-    {"klt", {}},
+    {"klt", {"bridging", "adjustment"}},
     {"sfm", {}},
     {"scale", {"mapping"}},
     {"adjustment", {"adjustment"}},
