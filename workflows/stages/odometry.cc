@@ -159,8 +159,7 @@ BridgingStage Bridging() {
   return {.name = "bridging",
           .about =
               "the motion where keypoints lose their way: by corners that are followed, by lone "
-              "images, by "
-              "wheels and gyro",
+              "images, by wheels and gyro",
           .code = CodeHere(),
           .make = MakeBridged};
 }
