@@ -4,6 +4,8 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <array>
+#include <cstdint>
+#include <cstring>
 
 #include "correspondence/internal/window_samples.h"
 #include "correspondence/patch_alignment.h"
@@ -20,7 +22,10 @@ inline Four CubicWeights(float share) {
 }
 
 inline Four FourPixels(const std::uint8_t* pixels) {
-  return cv::v_cvt_f32(cv::v_reinterpret_as_s32(cv::v_load_expand_q(pixels)));
+  // OpenCV reads them as one number.
+  alignas(std::int32_t) std::array<std::uint8_t, kLanes> aligned;
+  std::memcpy(aligned.data(), pixels, kLanes);
+  return cv::v_cvt_f32(cv::v_reinterpret_as_s32(cv::v_load_expand_q(aligned.data())));
 }
 
 inline float Cubic(const GreyView& image, const Eigen::Vector2d& x) {
