@@ -95,7 +95,7 @@ Bytes GeoKeys(int epsg) {
 std::vector<Bytes> Records(const LasFrame& frame) {
   constexpr std::uint8_t kUshort = 3, kFloat = 9;
   Bytes extra;
-  PutExtra(extra, kFloat, "sigma", "metres along the viewing rays");
+  PutExtra(extra, kFloat, "sigma", "metres off the surface");
   PutExtra(extra, kUshort, "observations", "depth pixels merged");
   std::vector<Bytes> records{Vlr("LASF_Spec", kExtraBytesId, "", extra)};
   if (frame.epsg != 0) {

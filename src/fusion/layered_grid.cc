@@ -104,7 +104,8 @@ bool LayeredGrid::IsSteep(const SurfaceSample& sample) { return IsSteepNormal(sa
 
 int LayeredGrid::LayerOf(const SurfaceSample& sample) const {
   const double cube_m = IsSteep(sample) ? steep_voxel_share_ * voxel_m_ : voxel_m_;
-  if (sample.sigma_m <= kFineSigmas * voxel_m_ && sample.off_m <= kFineOff * cube_m &&
+  if (sample.sigma_m <= kFineSigmas * voxel_m_ &&
+      sample.sigma_m * sample.cosine <= kFineOff * cube_m &&
       sample.pixel_m <= kFinePixels * voxel_m_) {
     return 0;
   }

@@ -150,7 +150,7 @@ std::optional<SurfaceSample> SampleAt(const DepthView& reference, const Views& v
   if (cosine < views.least_cosine && !LiesOnPlane(map, pixel.y, pixel.x)) return std::nullopt;
   // A pixel covers more of a surface seen edge on, in one direction.
   sample.pixel_m = static_cast<float>(x.z() / map.camera.fx / std::sqrt(std::max(cosine, 0.01)));
-  sample.off_m = sample.sigma_m * static_cast<float>(std::max(cosine, 0.0));
+  sample.cosine = static_cast<float>(std::max(cosine, 0.0));
   sample.x_in_world = reference.world_from_rectified * x;
   sample.normal = (reference.world_from_rectified.rotation * normal).cast<float>();
   const cv::Vec3b bgr = map.colour.at<cv::Vec3b>(pixel);

@@ -54,6 +54,12 @@ std::size_t HashOf(std::uint64_t key) {
 
 }  // namespace
 
+float SurfaceSample::OffSurfaceM() const {
+  constexpr float kRoughness = 0.4F;  // slope; docs/measured.md, "Sigmas of points"
+  return sigma_m *
+         std::hypot(cosine, kRoughness * std::sqrt(std::max(0.0F, 1.0F - cosine * cosine)));
+}
+
 VoxelGrid::VoxelGrid(double voxel_m, const Eigen::Vector2d& corner_in_world)
     : voxel_m_(voxel_m), slots_(kFirstSlots, kEmpty) {
   corner_ << (corner_in_world / voxel_m).array().floor(), 0.0;
@@ -72,7 +78,8 @@ void VoxelGrid::Add(const SurfaceSample& sample) {
   AddTo(voxel.rgb, weight * Eigen::Vector3f(sample.rgb[0], sample.rgb[1], sample.rgb[2]));
   voxel.weight += weight;
   voxel.observations += static_cast<std::uint32_t>(sample.observations);
-  ++voxel.samples;
+  const float off_m = sample.OffSurfaceM();
+  voxel.off += weight * off_m * off_m;
 }
 
 VoxelGrid::Voxel& VoxelGrid::At(std::uint64_t key) {
@@ -110,8 +117,8 @@ SurfacePoint VoxelGrid::PointOf(const Voxel& voxel) const {
   constexpr std::uint32_t kMost = std::numeric_limits<std::uint16_t>::max();
   point.observations = static_cast<std::uint16_t>(std::min(voxel.observations, kMost));
   point.grain_m = static_cast<float>(voxel_m_);
-  // The root mean inverse variance, not the sigma of the mean: samples share their frames' errors.
-  point.sigma_m = std::sqrt(static_cast<float>(voxel.samples) / voxel.weight);
+  // Of one sample, not of the mean: they share their frames' errors.
+  point.sigma_m = std::sqrt(voxel.off / voxel.weight);
   return point;
 }
 

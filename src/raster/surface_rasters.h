@@ -26,10 +26,9 @@ struct RasterInputs {
 // Writes folder/height.tif, ortho.tif and terrain.tif, cloud-optimised GeoTIFFs. Cells as in
 // UpperSurface, with layers as thick as a cell.
 //   height.tif   Float32, nodata -9999: "height" (m; above the ellipsoid on a grid of the Earth),
-//                "sigma" (m: of one measurement along its ray, root mean square; where the surface
-//                rises less than the rays do, its height is known no worse), "count" (depth pixels;
-//                0: filled in), "view_angle" (degrees between the normal and the nearest camera
-//                that has the cell in its image)
+//                "sigma" (m: of one measurement off its surface, root mean square), "count" (depth
+//                pixels; 0: filled in), "view_angle" (degrees between the normal and the nearest
+//                camera that has the cell in its image)
 //   ortho.tif    red, green, blue, alpha of the same cells; alpha 0 where nothing was seen
 //   terrain.tif  Float32, nodata -9999, cells an eighth of the footprint or somewhat finer, of the
 //                ground under it (footprint.h): "slope" (degrees), "roughness", "step_height" (m),

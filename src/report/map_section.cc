@@ -93,7 +93,7 @@ std::string MapSection(const PartContent& content) {
   limit("Largest sigma", "/map/max_sigma_m", Quantity::kMetres);
   limit("Largest sigma, of the distance", "/map/max_sigma_pct", Quantity::kPercent);
   row("Sigma, median", "/median_sigma_m", Quantity::kMetres,
-      "of one measurement along its rays, without errors that frames share");
+      "of one measurement off its surface, without errors that frames share");
   row("Overlap, median", "/median_images", Quantity::kCount, "left images that show a spot");
   row("Ground sample distance", "/pixel_m", Quantity::kMetres,
       "a pixel's width on the ground, in the nearest image of a spot, median");

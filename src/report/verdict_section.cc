@@ -148,7 +148,7 @@ std::string Tiles(const PartContent& content) {
   tiles += RockTile(content) + TruthTile(content);
   if (HasFigure(content.Map(), "/median_sigma_m")) {
     tiles += Tile("Map", Figure(content.Map(), "/points", Quantity::kCount),
-                  fmt::format("points, each {} (median) along its rays",
+                  fmt::format("points, each {} (median) off its surface",
                               PlusMinus(content.Map(), "/median_sigma_m", Quantity::kMetres)));
   }
   return tiles.empty() ? "" : "<div class=\"tiles\">\n" + tiles + "</div>\n";

@@ -21,6 +21,7 @@ SurfaceSample Sample(double x_m, double y_m, double z_m, double sigma_m) {
   sample.x_in_world = {x_m, y_m, z_m};
   sample.normal = Eigen::Vector3f::UnitZ();
   sample.sigma_m = static_cast<float>(sigma_m);
+  sample.cosine = 0.25F;
   return sample;
 }
 
@@ -54,7 +55,7 @@ TEST_F(LayeredGridInScratch, IsAsCoarseAsWhatIsKnown) {
   const LayeredGrid grid(kFinestVoxelM, 0.5, folder_.Path() / "scratch", 1000);
   const auto layer = [&](double sigma_m, double off_m, double pixel_m, float up = 1.0F) {
     SurfaceSample sample = Sample(0.0, 0.0, 0.0, sigma_m);
-    sample.off_m = static_cast<float>(off_m);
+    sample.cosine = static_cast<float>(off_m / sigma_m);
     sample.pixel_m = static_cast<float>(pixel_m);
     sample.normal.z() = up;
     return grid.LayerOf(sample);
@@ -119,7 +120,7 @@ TEST_F(LayeredGridInScratch, CountsOnlyFinerPointsThatComeOut) {
 
 TEST_F(LayeredGridInScratch, LeavesOutWhatIsNotKnownToTheSigmaAsked) {
   options_.max_sigma_m = 0.02;
-  EXPECT_EQ(Drained({Sample(0.0, 0.0, 0.0, 0.01), Sample(5.0, 0.0, 0.0, 0.05)}).size(), 1U);
+  EXPECT_EQ(Drained({Sample(0.0, 0.0, 0.0, 0.04), Sample(5.0, 0.0, 0.0, 0.05)}).size(), 1U);
 }
 
 TEST_F(LayeredGridInScratch, GivesTheSameWhateverIsSetAside) {

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <numbers>
 
 #include "tests/fusion/seen_ground.h"
@@ -107,6 +108,21 @@ TEST_F(ViewConsistency, LeavesPointsToANearerFrameAhead) {
     seen_nearer += Knows(ahead, x) && x.z() * x.z() < options_.better_view_share * own_m * own_m;
   }
   EXPECT_LT(seen_nearer, kept.size() / 50);  // at the ahead frame's margins, by rounding to pixels
+}
+
+TEST_F(ViewConsistency, TellsHowFlatlyGroundIsSeen) {
+  options_.min_views = 1;
+  const DepthView view = ViewFrom(0.0, ground_view_, random_);
+  int count = 0;
+  double flattest = 1.0;
+  for (const SurfaceSample& sample : ConfirmedSamples(view, {}, options_)) {
+    const Eigen::Vector3d ray = sample.x_in_world - view.world_from_rectified.translation;
+    ASSERT_NEAR(sample.cosine, -sample.normal.cast<double>().dot(ray.normalized()), 1e-5);
+    flattest = std::min<double>(flattest, sample.cosine);
+    ++count;
+  }
+  EXPECT_GT(count, 30000);
+  EXPECT_LT(flattest, 0.3);
 }
 
 TEST_F(ViewConsistency, LeavesOutTheSlopeBetweenTwoDepths) {

@@ -48,6 +48,18 @@ TEST(VoxelGrid, WeighsByInverseVariance) {
   EXPECT_NEAR(points[0].x_in_world.x(), (4.0 * 0.002 + 0.007) / 5.0, 1e-7);
 }
 
+// Two measurements, the better of them seen flatly: weighed by the sigmas along their rays, known
+// by those off the surface.
+TEST(VoxelGrid, TellsTheSigmaOffTheSurface) {
+  SurfaceSample flat = SampleAt({0.002, 0.005, 0.005}, 0.01F);
+  flat.cosine = 0.0F;
+  EXPECT_NEAR(flat.OffSurfaceM(), 0.004, 1e-8);
+  const PointCloud points = PointsOf({flat, SampleAt({0.007, 0.005, 0.005}, 0.02F)});
+  ASSERT_EQ(points.size(), 1U);
+  EXPECT_NEAR(points[0].x_in_world.x(), (4.0 * 0.002 + 0.007) / 5.0, 1e-7);
+  EXPECT_NEAR(points[0].sigma_m, std::sqrt((4.0 * 0.004 * 0.004 + 0.02 * 0.02) / 5.0), 1e-7);
+}
+
 TEST(VoxelGrid, KeepsEveryCubeApart) {
   SeededRandom random;
   std::vector<SurfaceSample> samples;

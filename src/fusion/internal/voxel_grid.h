@@ -16,10 +16,14 @@ struct SurfaceSample {
   Eigen::Vector3d x_in_world;  // metres
   Eigen::Vector3f normal;      // unit, in world; zero where unknown
   std::array<std::uint8_t, 3> rgb{};
-  float sigma_m = 0.0F;  // > 0
+  float sigma_m = 0.0F;  // along the viewing rays, > 0
   int observations = 1;  // depth pixels it was made from
   float pixel_m = 0.0F;  // what a pixel covers of the surface
-  float off_m = 0.0F;    // one standard deviation off the surface, along its normal
+  float cosine = 1.0F;   // between its normal and the ray against which it was seen
+
+  // One standard deviation of its distance from the surface. An error along a ray would be off a
+  // plane by the cosine; but what a window covers is rough, the more so the flatter it is seen.
+  float OffSurfaceM() const;
 };
 
 // Cubes are hashed; 64 bytes per touched cube. The grid reaches 2^20 cubes from its corner in each
@@ -48,7 +52,8 @@ class VoxelGrid {
     std::uint64_t key = 0;
     std::array<float, 3> offset{}, normal{}, rgb{};  // offset: from the cube's corner, in voxels
     float weight = 0.0F;
-    std::uint32_t observations = 0, samples = 0;
+    std::uint32_t observations = 0;
+    float off = 0.0F;  // of weighted variances off the surface
   };
   static constexpr std::uint32_t kEmpty = 0xFFFFFFFFU;
   static constexpr std::size_t kFirstSlots = 1U << 12U;

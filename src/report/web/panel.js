@@ -17,7 +17,7 @@ function colourRanges(view) {
   const text = (code) => sigmaText(sigmaOf(code));
   return {
     1: { range: [low - z, high - z], ends: [`${low.toFixed(2)} m`, `${high.toFixed(2)} m`], name: 'Height (world z)' },
-    2: { range: sigma, ends: sigma.map(text), name: 'Sigma of a point along its rays' },
+    2: { range: sigma, ends: sigma.map(text), name: 'Sigma of a point off its surface' },
     3: { range: seen, ends: seen.map((code) => String(observationsOf(code))), name: 'Depth pixels merged into a point' },
   };
 }
