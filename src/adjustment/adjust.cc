@@ -22,8 +22,6 @@
 namespace rigmap {
 namespace {
 
-constexpr int kMinFrameObservations = 10;
-
 // Robust sigma of one coordinate from distances: the median of a Rayleigh distribution is 1.1774
 // of its sigma. Most observations have fewer degrees of freedom than coordinates, so that
 // residuals fall short of the noise; the redundancy mends that.
@@ -198,36 +196,11 @@ class Adjuster {
     return 1.0 - unknowns / std::max(coordinates, 1.0);
   }
 
-  // A frame with hardly an observation would float; its observations go with it, which may leave
-  // others with too few.
-  void DropThinFrames() {
-    for (bool dropped = true; dropped;) {
-      dropped = false;
-      const std::vector<int> counts = ObservationsPerFrame(bundle_);
-      for (std::size_t i = 0; i < counts.size(); ++i) {
-        if (!bundle_.left_from_world[i] || counts[i] >= kMinFrameObservations) continue;
-        bundle_.left_from_world[i].reset();
-        dropped = true;
-      }
-      for (AdjustedPoint& point : bundle_.points) {
-        std::erase_if(point.observations,
-                      [&](const auto& o) { return !bundle_.left_from_world[o.frame]; });
-      }
-      DropUndetermined();
-    }
-  }
-
-  void DropUndetermined() {
-    std::erase_if(bundle_.points, [&](const AdjustedPoint& point) {
-      return !IsDetermined(point, bundle_.rig, bundle_.left_from_world);
-    });
-  }
-
   void KeepGroupsApart() {
-    DropThinFrames();
+    DropThinFrames(bundle_);
     SplitBetweenGroups(bundle_.left_from_world.size(), bundle_.points);
-    DropUndetermined();
-    DropThinFrames();
+    DropUndetermined(bundle_);
+    DropThinFrames(bundle_);
   }
 
   // That of the rig file, as the images find it.

@@ -36,9 +36,31 @@ void DropBeyond(double limit_px, const std::vector<double>& errors_px, Bundle& b
     std::erase_if(point.observations,
                   [&](const PointObservation&) { return !(errors_px[next++] <= limit_px); });
   }
+  DropUndetermined(bundle);
+}
+
+void DropUndetermined(Bundle& bundle) {
   std::erase_if(bundle.points, [&](const AdjustedPoint& point) {
     return !IsDetermined(point, bundle.rig, bundle.left_from_world);
   });
+}
+
+void DropThinFrames(Bundle& bundle) {
+  constexpr int kMinObservations = 10;
+  for (bool dropped = true; dropped;) {
+    dropped = false;
+    const std::vector<int> counts = ObservationsPerFrame(bundle);
+    for (std::size_t i = 0; i < counts.size(); ++i) {
+      if (!bundle.left_from_world[i] || counts[i] >= kMinObservations) continue;
+      bundle.left_from_world[i].reset();
+      dropped = true;
+    }
+    for (AdjustedPoint& point : bundle.points) {
+      std::erase_if(point.observations,
+                    [&](const auto& o) { return !bundle.left_from_world[o.frame]; });
+    }
+    DropUndetermined(bundle);
+  }
 }
 
 std::vector<int> ObservationsPerFrame(const Bundle& bundle) {

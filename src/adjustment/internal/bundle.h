@@ -31,6 +31,11 @@ std::vector<double> ErrorsPx(const Bundle& bundle);
 // Drops observations beyond the limit, given ErrorsPx, then points that fewer than two frames still
 // show.
 void DropBeyond(double limit_px, const std::vector<double>& errors_px, Bundle& bundle);
+// Drops points that their observations do not determine.
+void DropUndetermined(Bundle& bundle);
+// A frame with hardly an observation would float: takes its pose away, and its observations with
+// it, which may leave others with too few.
+void DropThinFrames(Bundle& bundle);
 
 std::vector<int> ObservationsPerFrame(const Bundle& bundle);
 
