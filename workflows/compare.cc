@@ -14,7 +14,6 @@
 #include "core/file.h"
 #include "core/job.h"
 #include "workflows/comparison.h"
-#include "workflows/evaluate_part.h"
 #include "workflows/output_folder.h"
 #include "workflows/reconstruct_part.h"
 #include "workflows/report.h"
@@ -128,7 +127,7 @@ std::vector<Run> PlanRuns(const CompareRequest& request, const PartRequest& part
                                       ? technique_name
                                       : fmt::format("{} {}", technique_name, run.name.setting);
         run.name.run = fs::path("runs") / part_name / label / std::to_string(repeat);
-        if (part.truth) run.name.truth = fs::absolute(TruthFile(*part.truth));
+        if (part.truth) run.name.truth = fs::absolute(TruthOfRun(*part.truth, part.dataset));
         run.request.out = request.out / run.name.run;
         runs.push_back(std::move(run));
       }

@@ -1,6 +1,7 @@
 #include "workflows/evaluate_part.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -147,11 +148,17 @@ std::filesystem::path TruthFile(const std::filesystem::path& truth) {
   for (const char* name : {"trajectory.tum", "groundtruth_tum.txt", "groundtruth_xy.txt"}) {
     if (std::filesystem::exists(truth / name)) return truth / name;
   }
+  std::vector<std::string> inside;
   for (const auto& entry : std::filesystem::directory_iterator(truth)) {
-    if (std::filesystem::exists(entry.path() / "trajectory.tum")) {
-      throw DataError(fmt::format("{}: expected trajectory.tum in it, found {} that holds one",
-                                  truth.string(), entry.path().filename().string()));
-    }
+    if (!std::filesystem::exists(entry.path() / "trajectory.tum")) continue;
+    inside.push_back(entry.path().filename().string());
+  }
+  std::ranges::sort(inside);
+  if (!inside.empty()) {
+    throw DataError(
+        fmt::format("{}: expected trajectory.tum in it, found {} that hold one; name "
+                    "the part, or its folder",
+                    truth.string(), fmt::join(inside, ", ")));
   }
   throw DataError(
       fmt::format("{}: expected trajectory.tum, groundtruth_tum.txt or groundtruth_xy.txt in it, "

@@ -130,7 +130,15 @@ PartResult JoinParts(const JoinRequest& request) {
   const std::vector<std::string> stages = JoinStageNames();
   const auto adjustment = std::ranges::find(stages, "adjustment");
   const auto until = std::ranges::find(stages, whole.until.value_or(stages.back()));
-  if (until <= adjustment) return Run(request, whole, std::move(united), mark);
+  if (until <= adjustment) {
+    JoinRequest by_images = request;
+    by_images.use_rtk = false;
+    if (request.use_rtk) {
+      spdlog::warn("--use-rtk: the fixes come in after the adjustment; up to {} they do nothing",
+                   *whole.until);
+    }
+    return Run(by_images, whole, std::move(united), mark);
+  }
 
   // First as far as it shows which parts hang together.
   PartRequest posed = whole;

@@ -8,11 +8,11 @@
 
 #include "core/error.h"
 #include "dataset/open_dataset.h"
-#include "workflows/evaluate_part.h"
 #include "workflows/run_in_folder.h"
 #include "workflows/stages/compare_result.h"
 #include "workflows/stages/dense.h"
 #include "workflows/stages/fusion.h"
+#include "workflows/traverse_plan.h"
 
 namespace rigmap {
 namespace {
@@ -23,7 +23,8 @@ namespace fs = std::filesystem;
 // now, not when all work is done.
 Dataset OpenWithTruth(const PartRequest& request) {
   Dataset dataset = OpenDataset(request.dataset);
-  if (request.truth) dataset.truth_path = fs::absolute(TruthFile(*request.truth)).string();
+  if (request.truth)
+    dataset.truth_path = fs::absolute(TruthOfRun(*request.truth, request.dataset)).string();
   if (!dataset.truth_path.empty()) RequireTruth(dataset.truth_path);
   return dataset;
 }

@@ -125,6 +125,28 @@ void RequireFixesOf(const TraversePlan& plan) {
   }
 }
 
+// Known before any work is done; each part's folder and the join's say so of their own frames.
+void RequireSameTraverse(const fs::path& out, const nlohmann::ordered_json& plan) {
+  const fs::path path = out / "plan.json";
+  if (!fs::exists(path)) return;
+  const auto earlier = nlohmann::ordered_json::parse(ReadTextFile(path), nullptr, false);
+  if (!earlier.is_object() || !earlier.contains("parts")) return;
+  const auto is_in = [](const nlohmann::ordered_json& parts, const nlohmann::ordered_json& part) {
+    return std::ranges::any_of(parts, [&](const nlohmann::ordered_json& other) {
+      return other.value("first_s", 0.0) == part.value("first_s", 0.0) &&
+             other.value("last_s", 0.0) == part.value("last_s", 0.0);
+    });
+  };
+  for (const auto& part : plan.at("parts")) {
+    if (is_in(earlier.at("parts"), part)) return;
+  }
+  throw DataError(fmt::format(
+      "{}: holds a run of other data ({}) than those asked for ({}); choose another folder, or "
+      "--force to remove it and start anew",
+      out.string(), earlier.value("dataset", std::string("unknown")),
+      plan.value("dataset", std::string("unknown"))));
+}
+
 // The folders of the parts that were done, and what is missing. Throws where there is none.
 JoinRequest WhatWasDone(const TraversePlan& plan,
                         const std::vector<std::optional<PartFailure>>& failures,
@@ -168,12 +190,13 @@ PartResult RunTraverse(const RunRequest& request) {
   if (request.use_rtk) RequireFixesOf(plan);
   const fs::path& out = request.part.out;
   RequireTraverseOutput(out);
+  const auto planned = ToJson(plan, request.plan);
+  if (!request.part.force) RequireSameTraverse(out, planned);
   RequireDisk(plan, out);
   fs::create_directories(out / "parts");
   if (!request.part.quiet) Announce(plan, request.part);
-  WriteFileAtomically(out / "plan.json", [&](std::ostream& stream) {
-    stream << ToJson(plan, request.plan).dump(1) << "\n";
-  });
+  WriteFileAtomically(out / "plan.json",
+                      [&](std::ostream& stream) { stream << planned.dump(1) << "\n"; });
   const JoinRequest join = WhatWasDone(plan, Parts(plan, request).Do(), request);
   return CanBeJoined(request.part) ? JoinParts(join) : WithoutJoin(join);
 }

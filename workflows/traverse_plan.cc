@@ -10,6 +10,7 @@
 #include "core/error.h"
 #include "core/stamp.h"
 #include "core/stamp_steps.h"
+#include "workflows/evaluate_part.h"
 
 namespace rigmap {
 namespace {
@@ -158,6 +159,10 @@ std::optional<fs::path> TruthOfPart(const std::optional<fs::path>& truth,
                fs::exists(entry.path() / "trajectory.tum");
       });
   return has_others ? std::nullopt : truth;
+}
+
+fs::path TruthOfRun(const fs::path& truth, const DatasetRequest& part) {
+  return TruthFile(part.part ? TruthOfPart(truth, part).value_or(truth) : truth);
 }
 
 int PiecesOfAtMost(int max_pairs, int pairs, int overlap) {

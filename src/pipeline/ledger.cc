@@ -21,6 +21,7 @@ StageRecord ReadRecord(const Report& json) {
   record.seconds = json.at("seconds");
   record.peak_rss_mb = json.at("peak_rss_mb");
   record.published = json.at("published").get<std::vector<std::string>>();
+  record.declared = json.value("declared", std::vector<std::string>());
   if (json.contains("bytes")) record.bytes = json.at("bytes");
   record.listed = json.at("listed");
   record.report = json.at("report");
@@ -70,6 +71,7 @@ void WriteLedger(const Ledger& ledger, const std::filesystem::path& root) {
                               {"seconds", record.seconds},
                               {"peak_rss_mb", record.peak_rss_mb},
                               {"published", record.published},
+                              {"declared", record.declared},
                               {"bytes", record.bytes},
                               {"listed", record.listed},
                               {"report", record.report}});

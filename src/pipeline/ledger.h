@@ -17,6 +17,8 @@ struct StageRecord {
   double seconds = 0.0;                // when it was made
   double peak_rss_mb = 0.0;            // of this process or its largest child while it was made
   std::vector<std::string> published;  // relative to the output folder
+  // What it might have published. Another recipe may leave some of that to a later stage.
+  std::vector<std::string> declared;
   // Of each of these files and of those in these folders when the run ended; empty until then.
   std::map<std::string, std::uintmax_t> bytes;
   bool listed = true;  // among the stages: sources without a report and checks are not

@@ -1,6 +1,7 @@
 #include "pipeline/internal/schedule.h"
 
 #include <algorithm>
+#include <iterator>
 #include <set>
 
 #include "core/artefact.h"
@@ -102,7 +103,11 @@ Outdated FindOutdated(const StageGraph& graph, const Schedule& schedule, const L
     const bool holds = found != nodes.end() && !schedule.anew[index] &&
                        (!schedule.keys[index] || *schedule.keys[index] == record.key);
     if (holds) {
-      spoken_for.insert(record.published.begin(), record.published.end());
+      // What the stage published in another recipe is this recipe's only where it does so here.
+      std::ranges::copy_if(record.published, std::inserter(spoken_for, spoken_for.end()),
+                           [&](const std::string& output) {
+                             return std::ranges::count(found->publishes, output) > 0;
+                           });
     } else {
       outdated.stages.push_back(record.name);
     }

@@ -106,14 +106,17 @@ void StageRunner::DoStage(std::size_t index) {
   const double start_s = Now();
   const StageContext context = ContextOf(index);
   const StageRecord* valid = ValidRecord(index);
-  const bool published = valid ? IsPublished(*valid, root_) : node.publishes.empty();
+  const bool published = node.publishes.empty() ||
+                         (valid && valid->declared == node.publishes && IsPublished(*valid, root_));
   const bool kept = !schedule_.anew[index] && (published || node.publish) &&
                     HasArtefact(ProductPath(index), *schedule_.keys[index]) &&
                     (!node.is_whole || IsWhole(index, context));
   StageRecord record;
   if (kept && valid) record = *valid;
+  if (node.publishes.empty()) record.published.clear();
   record.name = node.name;
   record.key = *schedule_.keys[index];
+  record.declared = node.publishes;
   record.reused = kept;
   if (kept) {
     std::error_code ignored;  // what cannot be touched is only forgotten earlier

@@ -198,6 +198,22 @@ TEST_F(TraverseTest, EndsWithThePartsWhereAJoinCannotTakeThemYet) {
   EXPECT_FALSE(fs::exists(out_ / "summary.json"));
 }
 
+TEST_F(TraverseTest, LeavesARunOfOtherDataAsItIs) {
+  const std::vector<std::string> cut{"--split", "2", "--overlap", "1", "--until", "features"};
+  ASSERT_EQ(Run(cut).exit_code, 0);
+  const fs::path path = out_ / "plan.json";
+  json plan = ReadJson(path);
+  ASSERT_EQ(plan["parts"].size(), 1U);
+  plan["dataset"] = "another";
+  plan["parts"][0]["first_s"] = 5.0;
+  WriteFileAtomically(path, [&](std::ostream& stream) { stream << plan; });
+  const std::string before = ReadTextFile(path);
+  const ProgramEnd end = Run(cut);
+  EXPECT_EQ(end.exit_code, 1);
+  EXPECT_THAT(end.LastErrorLine(), HasSubstr("holds a run of other data (another)"));
+  EXPECT_EQ(ReadTextFile(path), before);
+}
+
 TEST_F(TraverseTest, KnowsBeforeAnyPartIsDoneThatNoFixesCanTieIt) {
   const ProgramEnd end = Run({"--use-rtk"});
   EXPECT_EQ(end.exit_code, 1);
