@@ -41,17 +41,20 @@ std::string FramesPosed(const json& frames) {
                      frames.at("paired").get<int>());
 }
 
-std::string TimeTaken(const json& stages) {
+// Of parts that were joined, what each took is in its own summary.
+std::string TimeTaken(const json& summary) {
   double seconds = 0.0, memory_mb = 0.0;
   const json* slowest = nullptr;
-  for (const json& stage : stages) {
+  for (const json& stage : summary.at("stages")) {
     memory_mb = std::max(memory_mb, stage.at("peak_rss_mb").get<double>());
     if (stage.value("reused", false)) continue;
     seconds += stage.at("seconds").get<double>();
     if (!slowest || stage.at("seconds") > slowest->at("seconds")) slowest = &stage;
   }
   if (!slowest) return "all taken from an earlier run\n";
-  return fmt::format("took {:.0f} s and {:.0f} MB; longest {} with {:.0f} s\n", seconds, memory_mb,
+  const bool is_joined = summary.contains("parts") && !summary.at("parts").empty();
+  return fmt::format("{}took {:.0f} s and {:.0f} MB; longest {} with {:.0f} s\n",
+                     is_joined ? "joining " : "", seconds, memory_mb,
                      slowest->at("name").get<std::string>(), slowest->at("seconds").get<double>());
 }
 
@@ -65,8 +68,8 @@ std::string VerdictLines(const std::filesystem::path& out) {
     if (text.is_string()) {
       lines += fmt::format("rigmap: {}: {}\n", Standing(summary), Legible(text.get<std::string>()));
     }
-    lines += PathLine(summary.at("verdict")) + FramesPosed(summary.at("frames")) +
-             TimeTaken(summary.at("stages"));
+    lines +=
+        PathLine(summary.at("verdict")) + FramesPosed(summary.at("frames")) + TimeTaken(summary);
     if (std::filesystem::exists(out / "report.html")) {
       lines += fmt::format("rigmap: report: {}\n", (out / "report.html").string());
     }

@@ -26,6 +26,15 @@ TEST(VerdictLinesTest, DoNotCallTrustedWhatNothingMeasured) {
               testing::StartsWith("rigmap: CONSISTENT: nothing checks the metres\n"));
 }
 
+TEST(VerdictLinesTest, DoNotTakeTheTimeOfTheJoinForThatOfTheWhole) {
+  const TemporaryFolder folder;
+  auto summary = SampleSummary();
+  summary["parts"] = {{{"name", "1"}}, {{"name", "2"}}};
+  folder.Write("result/summary.json", summary.dump());
+  EXPECT_THAT(VerdictLines(folder.Path() / "result"),
+              testing::HasSubstr("frames posed; joining took 12 s and 370 MB"));
+}
+
 TEST(VerdictLinesTest, NameTheReport) {
   const TemporaryFolder folder;
   folder.Write("result/summary.json", SampleSummary().dump());
