@@ -156,8 +156,8 @@ std::filesystem::path TruthFile(const std::filesystem::path& truth) {
   std::ranges::sort(inside);
   if (!inside.empty()) {
     throw DataError(
-        fmt::format("{}: expected trajectory.tum in it, found {} that hold one; name "
-                    "the part, or its folder",
+        fmt::format("{}: expected trajectory.tum in it, found one each in {}; "
+                    "name the part, or its folder",
                     truth.string(), fmt::join(inside, ", ")));
   }
   throw DataError(

@@ -7,6 +7,30 @@ constexpr const char* kPrior =
     " Sigma of the prior that draws the rig back to it, as good calibrations with a board scatter "
     "when they are repeated; it also counts in the sigmas of poses and scale.";
 
+OptionFields ResidualFields(AdjustmentOptions& o) {
+  return {
+      {"huber_sigmas", &o.huber_sigmas, "robust sigmas", MoreThan(0.0),
+       "Residuals beyond this are weighted down (Huber). The sigma is the part's own, but at least "
+       "min_noise_px."},
+      {"outlier_sigmas", &o.outlier_sigmas, "robust sigmas", MoreThan(0.0),
+       "Observations beyond this are dropped between rounds."},
+      {"min_noise_px", &o.min_noise_px, "px", MoreThan(0.0),
+       "Least sigma of an observation, whatever the residuals say."},
+      {"shared_noise", &o.shared_noise, "", AtLeast(1.0),
+       "Sigmas of poses and rig grow by this factor, beside what the residuals of whole tracks "
+       "say: noise that all observations of a frame share (windows that are drawn aside by the "
+       "same perspective, relief within them) leaves no trace in residuals. With 2 the squared "
+       "errors of simulated drives, over the variances stated, are 0.7 to 1.3 by kind of drive "
+       "(tools/sigmas)."},
+      {"max_depth_baselines", &o.max_depth_baselines, "baselines", MoreThan(0.0),
+       "Points further away are left out: they have less than a pixel of disparity and hardly move "
+       "the result."},
+      {"rounds", &o.rounds, "", AtLeast(2).UpTo(20),
+       "Rounds of triangulating, adjusting and dropping observations. The rig is corrected before "
+       "the last one."},
+  };
+}
+
 }  // namespace
 
 OptionFields AdjustmentOptions::Fields() {
@@ -55,28 +79,7 @@ OptionFields AdjustmentOptions::Fields() {
        "board was, and not where it was not. Noise of its corners in 25 views; of the size by "
        "which two calibrations of one rig differed."},
   };
-  const OptionFields residuals = {
-      {"huber_sigmas", &huber_sigmas, "robust sigmas", MoreThan(0.0),
-       "Residuals beyond this are weighted down (Huber). The sigma is the part's own, but at least "
-       "min_noise_px."},
-      {"outlier_sigmas", &outlier_sigmas, "robust sigmas", MoreThan(0.0),
-       "Observations beyond this are dropped between rounds."},
-      {"min_noise_px", &min_noise_px, "px", MoreThan(0.0),
-       "Least sigma of an observation, whatever the residuals say."},
-      {"shared_noise", &shared_noise, "", AtLeast(1.0),
-       "Sigmas of poses and rig grow by this factor, beside what the residuals of whole tracks "
-       "say: noise that all observations of a frame share (windows that are drawn aside by the "
-       "same perspective, relief within them) leaves no trace in residuals. With 2 the squared "
-       "errors of simulated drives, over the variances stated, are 0.7 to 1.3 by kind of drive "
-       "(tools/sigmas)."},
-      {"max_depth_baselines", &max_depth_baselines, "baselines", MoreThan(0.0),
-       "Points further away are left out: they have less than a pixel of disparity and hardly move "
-       "the result."},
-      {"rounds", &rounds, "", AtLeast(2).UpTo(20),
-       "Rounds of triangulating, adjusting and dropping observations. The rig is corrected before "
-       "the last one."},
-  };
-  return JoinFields({rig, priors, residuals});
+  return JoinFields({rig, priors, ResidualFields(*this)});
 }
 
 }  // namespace rigmap
