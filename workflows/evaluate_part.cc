@@ -156,7 +156,7 @@ std::filesystem::path TruthFile(const std::filesystem::path& truth) {
   std::ranges::sort(inside);
   if (!inside.empty()) {
     throw DataError(
-        fmt::format("{}: expected trajectory.tum in it, found one each in {}; "
+        fmt::format("{}: expected trajectory.tum in it, found {} with one inside; "
                     "name the part, or its folder",
                     truth.string(), fmt::join(inside, ", ")));
   }

@@ -42,7 +42,7 @@ TEST(TruthOfRunTest, IsOfThePartThatIsNamed) {
       TruthOfRun(truth.Path(), request);
       ADD_FAILURE();
     } catch (const DataError& error) {
-      EXPECT_THAT(error.what(), testing::HasSubstr("found one each in Part1, Part2"));
+      EXPECT_THAT(error.what(), testing::HasSubstr("found Part1, Part2 with one inside"));
     }
   }
 }
