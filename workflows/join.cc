@@ -31,10 +31,7 @@ PartResult Run(const JoinRequest& request, const PartRequest& whole, UnionOfPart
   united.parts.missing.insert(united.parts.missing.begin(), request.missing.begin(),
                               request.missing.end());
   std::optional<SplitFixes> tie_to;
-  if (request.use_rtk) {
-    tie_to = SplitByTurns(united.dataset.fixes);
-    united.dataset.fixes = tie_to->judging;
-  }
+  if (request.use_rtk) tie_to = SplitByTurns(united.dataset.fixes);
   Job job(whole.threads, whole.quiet);
   const auto recipe = [&](const Dataset& dataset, const DatasetContent& content) {
     return JoinRecipe(dataset, content, united.parts, united.depths, tie_to, whole.options);

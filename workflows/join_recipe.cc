@@ -52,8 +52,9 @@ StageGraph JoinRecipe(const Dataset& data, const DatasetContent& data_content,
                       const JoinedParts& joined_parts, const KnownDepths& part_depths,
                       const std::optional<SplitFixes>& tie_to, const PartOptions& o) {
   StageGraph g;
+  const auto judges = tie_to ? std::optional(tie_to->judging) : std::nullopt;
   const auto [dataset, content, truth, fixes, colmap] =
-      AddPartInputs(g, data, data_content, o.colmap);
+      AddPartInputs(g, data, data_content, o.colmap, judges);
   const auto open_parts = [joined_parts] { return std::pair(KeyOf(joined_parts), joined_parts); };
   const auto open_depths = [part_depths] { return std::pair(KeyOf(part_depths), part_depths); };
   const auto parts = g.AddSource<JoinedParts>("parts", open_parts, ReportParts);

@@ -10,6 +10,7 @@
 #include "core/error.h"
 #include "core/file.h"
 #include "tests/support/message_of.h"
+#include "workflows/join_recipe.h"
 #include "workflows/print_stages.h"
 
 namespace rigmap {
@@ -299,6 +300,29 @@ TEST(TechniqueNames, ReadBackAndListWhatThereIs) {
   EXPECT_THAT(MessageOf<UsageError>([] { ParseTechnique("icp2"); }),
               AllOf(HasSubstr("rig, colmap, sfm, combined, icp, vo, klt, wheels, filter"),
                     HasSubstr("'icp2'")));
+}
+
+// What the source of that name holds.
+template <class Value>
+Value Opened(const StageGraph& graph, const std::string& name) {
+  const auto node = std::ranges::find(graph.nodes(), name, &StageNode::name);
+  return *std::any_cast<std::shared_ptr<const Value>>(node->open().second);
+}
+
+// Fixes that do not move poses may all say where the world lies; those that judge must not tie.
+TEST(JoinRecipe, AllFixesPlaceTheWorldAndTheOddTurnsJudge) {
+  Dataset dataset;
+  for (int second = 0; second < 40; ++second) {
+    dataset.fixes.emplace_back().stamp_ns = 1'000'000'000LL * second;
+  }
+  const SplitFixes split = SplitByTurns(dataset.fixes);
+  ASSERT_EQ(split.judging.size(), 20U);
+  const StageGraph tied = JoinRecipe(dataset, {}, {}, {}, split, {});
+  EXPECT_EQ(Opened<Fixes>(tied, "fixes").fixes.size(), 40U);
+  EXPECT_EQ(Opened<Truth>(tied, "truth").fixes.size(), 20U);
+  EXPECT_EQ(Opened<SplitFixes>(tied, "split_fixes").tying.size(), 20U);
+  const StageGraph untied = JoinRecipe(dataset, {}, {}, {}, std::nullopt, {});
+  EXPECT_EQ(Opened<Truth>(untied, "truth").fixes.size(), 40U);
 }
 
 }  // namespace

@@ -15,11 +15,12 @@ Report ReportDataset(const Dataset& dataset) {
 }  // namespace
 
 PartInputs AddPartInputs(StageGraph& graph, const Dataset& dataset, const DatasetContent& content,
-                         const ColmapOptions& colmap_options) {
+                         const ColmapOptions& colmap_options,
+                         const std::optional<std::vector<GnssFix>>& judges) {
   const auto open_dataset = [dataset, content] { return std::pair(content.Key(), dataset); };
   const auto open_content = [content] { return std::pair(content.Key(), content); };
-  const auto open_truth = [dataset] {
-    Truth truth{dataset.truth_path, dataset.fixes, dataset.surveyed_landmarks};
+  const auto open_truth = [dataset, judges] {
+    Truth truth{dataset.truth_path, judges.value_or(dataset.fixes), dataset.surveyed_landmarks};
     std::string key = DescribeTruth(truth);
     return std::pair(std::move(key), std::move(truth));
   };

@@ -1,6 +1,7 @@
 // What a part's recipe is given from outside.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "colmap/installation.h"
@@ -23,7 +24,10 @@ struct PartInputs {
   Node<ColmapInstallation> colmap;  // looked for on PATH when a stage needs it
 };
 
+// Of the data set's fixes only the judges, where given, are truth; all of them lay products on the
+// Earth.
 PartInputs AddPartInputs(StageGraph& graph, const Dataset& dataset, const DatasetContent& content,
-                         const ColmapOptions& colmap);
+                         const ColmapOptions& colmap,
+                         const std::optional<std::vector<GnssFix>>& judges = std::nullopt);
 
 }  // namespace rigmap
