@@ -112,6 +112,11 @@ class Uniter {
       const bool is_new = i == 0 || StampOf(frames_[i]) != StampOf(frames_[i - 1]);
       is_new ? AddFrame(frames_[i]) : AddAgain(frames_[i]);
     }
+    std::vector<std::pair<std::string, std::vector<std::string>>> remarks;
+    for (const OpenedPart& part : parts_) {
+      remarks.emplace_back(part.name, part.frames.dataset.health.remarks);
+    }
+    result_.dataset.health.remarks = RemarksOfParts(remarks);
     CountImages();
     AddSensors();
     AddTrajectories();
@@ -141,7 +146,6 @@ class Uniter {
     };
     append(dataset.health.lone_images, health.lone_images);
     append(dataset.health.unreadable_images, health.unreadable_images);
-    append(dataset.health.remarks, health.remarks);
     append(part.frames.features.unreadable_images, result_.parts.unreadable_images);
   }
 
@@ -262,6 +266,20 @@ UnionOfParts UniteParts(const std::vector<PartFolder>& folders, const fs::path& 
       parts, [&](const OpenedPart& part) { return part.frames.dataset.truth_path == truth; });
   if (same) whole.dataset.truth_path = truth;
   return whole;
+}
+
+std::vector<std::string> RemarksOfParts(
+    const std::vector<std::pair<std::string, std::vector<std::string>>>& parts) {
+  std::vector<std::string> all;
+  for (const auto& [name, remarks] : parts) {
+    for (const std::string& remark : remarks) {
+      const bool is_of_all = std::ranges::all_of(
+          parts, [&](const auto& part) { return std::ranges::count(part.second, remark) > 0; });
+      std::string text = is_of_all ? remark : fmt::format("part {}: {}", name, remark);
+      if (!std::ranges::count(all, text)) all.push_back(std::move(text));
+    }
+  }
+  return all;
 }
 
 }  // namespace rigmap

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "scene/dataset.h"
@@ -26,5 +27,9 @@ struct UnionOfParts {
 // folder holds no part that can be joined, where the parts were given different rigs or features
 // made with different options, and where they disagree about a frame that they share.
 UnionOfParts UniteParts(const std::vector<PartFolder>& folders, const std::filesystem::path& out);
+
+// Of parts' names and remarks: what all of them remark once, anything else with the part.
+std::vector<std::string> RemarksOfParts(
+    const std::vector<std::pair<std::string, std::vector<std::string>>>& parts);
 
 }  // namespace rigmap

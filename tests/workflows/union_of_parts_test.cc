@@ -46,6 +46,15 @@ TEST(NamePartsTest, RefusesAFolderThatIsGivenTwice) {
   EXPECT_THAT(MessageOf<UsageError>([] { NameParts({}); }), HasSubstr("found none"));
 }
 
+// Each folder of data has remarks of its own: which one is meant must be told.
+TEST(RemarksOfPartsTest, NameTheirPartUnlessAllMakeThem) {
+  EXPECT_THAT(RemarksOfParts({{"1", {"no antenna", "gap"}}, {"2", {"gap", "no antenna", "gap"}}}),
+              ElementsAre("no antenna", "gap"));
+  EXPECT_THAT(
+      RemarksOfParts({{"1", {"no antenna", "gap"}}, {"2", {"no antenna"}}, {"3", {"gap"}}}),
+      ElementsAre("part 1: no antenna", "part 1: gap", "part 2: no antenna", "part 3: gap"));
+}
+
 class RigOfTheWhole : public testing::Test {
  protected:
   RigOfTheWhole() : start_(ReadRigFile(SimulatedPartFolder() / "calib.yaml")) {}
