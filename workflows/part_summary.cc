@@ -116,6 +116,15 @@ std::string VerdictText(const Refusal& refusal, const Report& verdict) {
                      verdict["accuracy_asked_pct"].get<double>(), how_good);
 }
 
+FrameNames NamesOfFrames(int first_frame, const Report& parts) {
+  FrameNames names{first_frame};
+  for (const Report& part : parts) {
+    const int shared = part.at("shared_with_earlier");
+    names.parts.push_back({part.at("name"), shared, part.at("frames").get<int>() - shared});
+  }
+  return names;
+}
+
 std::string ReasonOf(const Refusal& refusal) {
   std::vector<std::string> sentences;
   for (const Cause& cause : refusal.causes) sentences.push_back(SentenceOf(cause));
@@ -151,7 +160,8 @@ PartResult Judge(const Ledger& ledger, int first_frame) {
   const Report merged = MergeReports(ledger);
   const JudgedPart judged = ReadJudged(merged);
   if (judged.gates.empty()) return {PartStatus::kPartial, "no gate checked yet", "", {}};
-  Refusal refusal = RefusalOf(judged.gates, judged.findings, first_frame);
+  Refusal refusal =
+      RefusalOf(judged.gates, judged.findings, NamesOfFrames(first_frame, merged["parts"]));
   std::string text = VerdictText(refusal, merged["verdict"]);
   if (refusal.causes.empty()) return {PartStatus::kOk, "", std::move(text), {}};
   std::string reason = ReasonOf(refusal);

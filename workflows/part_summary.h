@@ -14,8 +14,8 @@ namespace rigmap {
 // what was not reached are null.
 Report MergeReports(const Ledger& ledger);
 
-// How far what the ledger speaks of is to be trusted. `first_frame`: the number of the part's first
-// frame in the whole data set.
+// How far what the ledger speaks of is to be trusted. `first_frame`: the number of a part's first
+// frame in the whole data set; of joined parts each numbers its own.
 PartResult Judge(const Ledger& ledger, int first_frame = 0);
 
 // summary.json as text, of a run of the recipe of that name. `failure` is what ended the run, if

@@ -7,14 +7,9 @@
 namespace rigmap {
 namespace {
 
-constexpr std::string_view kWithoutGaps = "take a stretch without gaps (--frames)";
-constexpr std::string_view kWithCorrectedRig =
-    "run it again with --rig and the rig_refined.yaml of this result: with the rig file as it was, "
-    "stereo matches were missed; else take a stretch without gaps (--frames)";
-
 // What the uncertainty comes from, and what helps against it.
 struct Origin {
-  std::string_view about, advice;
+  std::string about, advice;
 };
 
 Origin OriginOf(const Failed& failed) {
@@ -41,15 +36,20 @@ Origin OriginOf(const Failed& failed) {
     return {"most of it is noise of the images",
             "take a longer stretch, more images on the same way, or nearer ground"};
   }
-  return {"most of it is what is not known of the rig's calibration", kManyDrives};
+  return {"most of it is what is not known of the rig's calibration", std::string(kManyDrives)};
 }
 
 }  // namespace
 
-std::string_view AdviceOnGaps(const Failed& failed) {
+std::string AdviceOnGaps(const Failed& failed) {
   constexpr double kMissesMatches_px = 1.0;  // of the rows that stereo matches are looked for in
   const bool was_off = failed.findings().rig_correction_px.value_or(0.0) > kMissesMatches_px;
-  return was_off ? kWithCorrectedRig : kWithoutGaps;
+  const std::string without =
+      fmt::format("take a stretch without gaps ({})", failed.ToTakeFrames());
+  if (!was_off) return without;
+  return "run it again with --rig and the rig_refined.yaml of this result: with the rig file as it "
+         "was, stereo matches were missed; else " +
+         without;
 }
 
 Cause NotAsGoodAsAsked(const Failed& failed) {
@@ -79,7 +79,7 @@ Cause NotAsGoodAsAsked(const Failed& failed) {
   return {
       brief,
       fmt::format("{} (95 %; asked was {}); {}", fmt::join(known, " and "), asked, origin.about),
-      std::string(origin.advice)};
+      origin.advice};
 }
 
 }  // namespace rigmap

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <span>
 #include <utility>
 
 #include "gates/internal/advice.h"
@@ -10,15 +11,28 @@
 namespace rigmap {
 namespace {
 
-constexpr std::string_view kSameMoment =
-    "check that left and right images are of the same moment and sharp, and that not everything in "
-    "view moves; a slower stretch (--frames) shows whether motion is the reason";
 constexpr std::string_view kThisRig =
     "check that the rig file is of these cameras at this image size, left and right not exchanged; "
     "else calibrate them anew and give that file with --rig";
 constexpr std::string_view kOverlap =
     "cut the parts so that they share frames (--overlap), or bridge the gap by images of the same "
     "ground; else take each world for itself";
+
+std::string SameMoment(const Failed& failed) {
+  return fmt::format(
+      "check that left and right images are of the same moment and sharp, and that not everything "
+      "in view moves; a slower stretch ({}) shows whether motion is the reason",
+      failed.ToTakeFrames());
+}
+
+// Stretches to be taken, each as its own part.
+std::string Alone(const Failed& failed, std::span<const FrameRun> stretches) {
+  const FrameNames& names = failed.names();
+  std::vector<std::string> texts;
+  for (const FrameRun& stretch : stretches) texts.push_back(names.Of(stretch));
+  if (names.parts.empty()) return fmt::format("--frames {}", fmt::join(texts, ", --frames "));
+  return fmt::format("frames {}", fmt::join(texts, ", "));
+}
 
 }  // namespace
 
@@ -38,7 +52,7 @@ Cause NothingToFollow(const Failed& failed) {
   const PartFindings& findings = failed.findings();
   constexpr std::size_t kMostRanges = 4;
   std::vector<std::string> ranges;
-  for (const FrameRun& range : findings.guessed) ranges.push_back(failed.Frames(range));
+  for (const FrameRun& range : findings.guessed) ranges.push_back(failed.names().Of(range));
   if (ranges.size() > kMostRanges) {
     ranges.resize(kMostRanges);
     ranges.emplace_back("...");
@@ -53,7 +67,7 @@ Cause NothingToFollow(const Failed& failed) {
       fmt::format(
           "look at these images: black, blinded, blurred, or too far from one to the "
           "next to have anything in common{}",
-          rest ? fmt::format("; --frames {} is the longest run without them", failed.Frames(*rest))
+          rest ? fmt::format("; {} is the longest run without them", Alone(failed, {&*rest, 1}))
                : "")};
 }
 
@@ -62,7 +76,7 @@ Cause WayIsBroken(const Failed& failed) {
   const auto& breaks = failed.findings().breaks;
   std::vector<std::string> frames;
   for (std::size_t i = 0; i < std::min(breaks.size(), kMostFrames); ++i) {
-    frames.push_back(failed.FrameText(breaks[i]));
+    frames.push_back(failed.names().Of(breaks[i]));
   }
   if (breaks.size() > kMostFrames) frames.emplace_back("...");
   return {"the way is broken: part of it is guessed",
@@ -70,7 +84,7 @@ Cause WayIsBroken(const Failed& failed) {
                       "was before, so that it lies where it was guessed (expected: frame after "
                       "frame, or a place seen again)",
                       fmt::join(frames, ", ")),
-          std::string(AdviceOnGaps(failed))};
+          AdviceOnGaps(failed)};
 }
 
 Cause RigIsContradicted(const Failed& failed) {
@@ -105,13 +119,14 @@ Cause RigIsContradicted(const Failed& failed) {
 Cause FewRegistered(const Failed& failed) {
   const Gate& gate = *failed.Find("registered");
   const std::string share = ValueText(gate, 100.0);
-  return {
-      fmt::format("only {} % of the keyframes are in the map", share),
-      fmt::format("only {} % of the keyframes found a way into the map (expected: at least "
-                  "{} %)",
-                  share, LimitText(gate, 100.0)),
-      "take images that have more in common: more of them on the same way, or a stretch without "
-      "glare, blur and quick turns (--frames)"};
+  return {fmt::format("only {} % of the keyframes are in the map", share),
+          fmt::format("only {} % of the keyframes found a way into the map (expected: at least "
+                      "{} %)",
+                      share, LimitText(gate, 100.0)),
+          fmt::format(
+              "take images that have more in common: more of them on the same way, or a stretch "
+              "without glare, blur and quick turns ({})",
+              failed.ToTakeFrames())};
 }
 
 Cause MapIsBent(const Failed& failed) {
@@ -120,14 +135,14 @@ Cause MapIsBent(const Failed& failed) {
             fmt::format("the map is bent or torn: its left-right distances, which are all the same "
                         "on the rig, differ by {} % (expected: at most {} %)",
                         ValueText(*gate, 100.0), LimitText(*gate, 100.0)),
-            std::string(kSameMoment)};
+            SameMoment(failed)};
   }
   const Gate& gate = *failed.Find("baseline_rejected");
   return {"the map is bent or torn",
           fmt::format("the map is bent or torn: {} % of its left-right distances do not fit the "
                       "others (expected: at most {} %)",
                       ValueText(gate, 100.0), LimitText(gate, 100.0)),
-          std::string(kSameMoment)};
+          SameMoment(failed)};
 }
 
 Cause MatchesContradict(const Failed& failed) {
@@ -144,7 +159,7 @@ Cause MatchesContradict(const Failed& failed) {
         "(expected: at most {} px)",
         dropped ? "," : "", ValueText(*apart), LimitText(*apart));
   }
-  return {"the matches contradict each other", std::move(found), std::string(kSameMoment)};
+  return {"the matches contradict each other", std::move(found), SameMoment(failed)};
 }
 
 Cause MotionsDiffer(const Failed& failed) {
@@ -155,12 +170,12 @@ Cause MotionsDiffer(const Failed& failed) {
                 "{} % of their length and more (expected: at most {} %)",
                 ValueText(*pct), LimitText(*pct))
           : "map and odometry tell of different motions for three steps on end (expected: never)";
-  std::string advice(kSameMoment);
+  std::string advice = SameMoment(failed);
   if (failed.IsInPieces()) {
-    const auto& pieces = failed.findings().pieces;
-    advice = fmt::format("reconstruct each stretch on which they agree by itself: --frames {}{}",
-                         failed.Frames(pieces[0]),
-                         pieces.size() > 1 ? ", --frames " + failed.Frames(pieces[1]) : "");
+    constexpr std::size_t kMostPieces = 2;
+    const std::span<const FrameRun> pieces = failed.findings().pieces;
+    advice = fmt::format("reconstruct each stretch on which they agree by itself: {}",
+                         Alone(failed, pieces.first(std::min(pieces.size(), kMostPieces))));
   }
   return {"map and odometry tell of different motions", std::move(found), std::move(advice)};
 }

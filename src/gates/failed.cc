@@ -4,11 +4,40 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace rigmap {
+namespace {
 
-Failed::Failed(const Gates& gates, const PartFindings& findings, int first_frame)
-    : findings_(findings), first_frame_(first_frame) {
+// The part that a frame of the whole belongs to, and its number there.
+std::pair<const FrameNames::Part*, int> PartWith(const FrameNames& names, int frame) {
+  const FrameNames::Part* part = &names.parts.front();
+  for (const FrameNames::Part& candidate : names.parts) {
+    part = &candidate;
+    if (frame < candidate.frames) break;
+    if (&candidate != &names.parts.back()) frame -= candidate.frames;
+  }
+  return {part, part->first + frame};
+}
+
+}  // namespace
+
+std::string FrameNames::Of(int frame) const {
+  if (parts.empty()) return std::to_string(first + frame);
+  const auto [part, number] = PartWith(*this, frame);
+  return fmt::format("{} of part {}", number, part->name);
+}
+
+std::string FrameNames::Of(const FrameRun& range) const {
+  if (parts.empty()) return fmt::format("{}:{}", first + range.first, first + range.end);
+  const auto [part, from] = PartWith(*this, range.first);
+  const auto [last_part, last] = PartWith(*this, range.end - 1);
+  if (part == last_part) return fmt::format("{}:{} of part {}", from, last + 1, part->name);
+  return fmt::format("{} to {}", Of(range.first), Of(range.end - 1));
+}
+
+Failed::Failed(const Gates& gates, const PartFindings& findings, const FrameNames& names)
+    : findings_(findings), names_(names) {
   for (Gate gate : gates) {
     if (gate.passed) continue;
     // As it is once it was kept and read back: JSON has no other numbers.
@@ -22,11 +51,9 @@ const Gate* Failed::Find(std::string_view name) const {
   return found == gates_.end() ? nullptr : &*found;
 }
 
-std::string Failed::Frames(const FrameRun& range) const {
-  return fmt::format("{}:{}", first_frame_ + range.first, first_frame_ + range.end);
+std::string_view Failed::ToTakeFrames() const {
+  return names_.parts.empty() ? "--frames" : "rigmap part --frames";
 }
-
-std::string Failed::FrameText(int frame) const { return std::to_string(first_frame_ + frame); }
 
 bool Failed::IsInPieces() const {
   return !findings_.pieces.empty() && findings_.pieces.front().Count() < findings_.frames;

@@ -88,7 +88,7 @@ std::string Usable(const Failed& failed, const std::vector<const Root*>& roots) 
     constexpr std::size_t kMostPieces = 3;
     std::vector<std::string> ranges;
     for (const FrameRun& piece : findings.pieces) {
-      if (ranges.size() < kMostPieces) ranges.push_back(failed.Frames(piece));
+      if (ranges.size() < kMostPieces) ranges.push_back(failed.names().Of(piece));
     }
     return fmt::format(
         "frames {}, each by itself in one piece; how good, a run of it alone will say",
@@ -115,8 +115,8 @@ Cause Other(const Gate& gate) {
 
 }  // namespace
 
-Refusal RefusalOf(const Gates& gates, const PartFindings& findings, int first_frame) {
-  const Failed failed(gates, findings, first_frame);
+Refusal RefusalOf(const Gates& gates, const PartFindings& findings, const FrameNames& names) {
+  const Failed failed(gates, findings, names);
   Refusal refusal;
   std::vector<const Root*> told;
   std::vector<std::string_view> explained;

@@ -21,11 +21,26 @@ struct Refusal {
   std::string usable;         // what is usable all the same, and how good it is
 };
 
+// What people call the frames.
+struct FrameNames {
+  struct Part {
+    std::string name;
+    int first = 0;   // number, in this part, of the first frame that no part before it has
+    int frames = 0;  // such frames
+  };
+  int first = 0;                 // number of the first frame in the data
+  std::vector<Part> parts = {};  // that were joined, in order of time; none: a part by itself
+
+  // "9"; "9 of part 2".
+  std::string Of(int frame) const;
+  // "3:9"; "3:9 of part 2"; "3 of part 2 to 9 of part 3".
+  std::string Of(const FrameRun& range) const;
+};
+
 // Causes of the gates that failed, without those that follow from another: a wrong rig explains a
-// bent map, and both explain large sigmas. No cause where all passed. Frames are numbered as in the
-// data, where this part's first is `first_frame`. Nothing is advised that would silence a gate
-// without mending its cause.
-Refusal RefusalOf(const Gates& gates, const PartFindings& findings, int first_frame = 0);
+// bent map, and both explain large sigmas. No cause where all passed. Nothing is advised that would
+// silence a gate without mending its cause.
+Refusal RefusalOf(const Gates& gates, const PartFindings& findings, const FrameNames& names = {});
 
 // "FOUND (gate A, gate B)"
 std::string SentenceOf(const Cause& cause);

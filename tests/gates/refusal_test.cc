@@ -63,7 +63,7 @@ std::vector<std::string> NamesOf(const Cause& cause) {
 }
 
 TEST(RefusalOf, TellsAValueFromItsLimit) {
-  const auto refusal = RefusalOf(Failing({"scale_95_pct"}, 1.00124), Findings(), 0);
+  const auto refusal = RefusalOf(Failing({"scale_95_pct"}, 1.00124), Findings());
   ASSERT_THAT(refusal.causes, SizeIs(1));
   EXPECT_THAT(refusal.causes[0].found, HasSubstr("the scale is known to 1.001 %"));
 }
@@ -122,7 +122,7 @@ TEST(RefusalOf, FramesThatShowNothingLeaveThoseBetween) {
   findings.breaks = {22};
   findings.pieces = {{0, 12}, {22, 30}};
   const Refusal refusal =
-      RefusalOf(Failing({"predicted", "scale_95_pct"}, 1.0 / 3.0, 0.2), findings, 100);
+      RefusalOf(Failing({"predicted", "scale_95_pct"}, 1.0 / 3.0, 0.2), findings, {100});
   ASSERT_THAT(refusal.causes, SizeIs(1));
   EXPECT_THAT(refusal.causes[0].found, AllOf(StartsWith("10 of 30 frames (112:122) show nothing"),
                                              HasSubstr("at most 20 %")));
@@ -145,12 +145,29 @@ TEST(RefusalOf, AGuessedJumpLeavesThePiecesBesideIt) {
   findings.breaks = {12};
   findings.pieces = {{12, 30}, {0, 12}};
   const Refusal refusal =
-      RefusalOf(Failing({"breaks", "position_95_pct"}, 1.0, 0.0), findings, 100);
+      RefusalOf(Failing({"breaks", "position_95_pct"}, 1.0, 0.0), findings, {100});
   ASSERT_THAT(refusal.causes, SizeIs(1));
   EXPECT_THAT(refusal.causes[0].found,
               HasSubstr("nothing measured joins what begins at frame 112"));
   EXPECT_THAT(refusal.causes[0].advice, HasSubstr("without gaps"));
   EXPECT_THAT(refusal.usable, StartsWith("frames 112:130 and 100:112, each by itself"));
+}
+
+// `rigmap join` takes no --frames.
+TEST(RefusalOf, OfJoinedPartsFramesAreThoseOfTheParts) {
+  PartFindings findings = Findings();
+  findings.guessed = {{12, 22}};
+  findings.breaks = {22};
+  findings.pieces = {{0, 12}, {22, 30}};
+  // The second shares its first four frames with the first.
+  const FrameNames names{0, {{"sand", 0, 16}, {"rock", 4, 14}}};
+  const Refusal dark = RefusalOf(Failing({"predicted"}, 1.0 / 3.0, 0.2), findings, names);
+  EXPECT_THAT(dark.causes.at(0).found, HasSubstr("(12 of part sand to 9 of part rock)"));
+  EXPECT_THAT(dark.causes[0].advice, HasSubstr("frames 0:12 of part sand is the longest run"));
+  EXPECT_THAT(dark.usable, StartsWith("frames 0:12 of part sand and 10:18 of part rock"));
+  const Refusal broken = RefusalOf(Failing({"breaks"}, 1.0, 0.0), findings, names);
+  EXPECT_THAT(broken.causes.at(0).found, HasSubstr("begins at frame 10 of part rock"));
+  EXPECT_THAT(broken.causes[0].advice, HasSubstr("(rigmap part --frames)"));
 }
 
 TEST(RefusalOf, OfFiguresThatHoldSaysHowGoodTheyAre) {

@@ -1,6 +1,7 @@
 // What more than one cause advises. Of this room only.
 #pragma once
 
+#include <string>
 #include <string_view>
 
 #include "gates/internal/failed.h"
@@ -13,6 +14,6 @@ inline constexpr std::string_view kManyDrives =
     "rig.yaml";
 
 // Against a gap that nothing measured bridges.
-std::string_view AdviceOnGaps(const Failed& failed);
+std::string AdviceOnGaps(const Failed& failed);
 
 }  // namespace rigmap

@@ -8,24 +8,24 @@
 
 namespace rigmap {
 
-// Holds on to the findings.
+// Holds on to the findings and names.
 class Failed {
  public:
-  Failed(const Gates& gates, const PartFindings& findings, int first_frame);
+  Failed(const Gates& gates, const PartFindings& findings, const FrameNames& names);
 
   const Gates& gates() const { return gates_; }
   const PartFindings& findings() const { return findings_; }
   const Gate* Find(std::string_view name) const;
-  // "3:9", as the whole data set numbers its frames.
-  std::string Frames(const FrameRun& range) const;
-  std::string FrameText(int frame) const;
+  const FrameNames& names() const { return names_; }
+  // What takes a stretch of frames.
+  std::string_view ToTakeFrames() const;
   // Some but not all frames hold together.
   bool IsInPieces() const;
 
  private:
   Gates gates_;
   const PartFindings& findings_;
-  int first_frame_;
+  const FrameNames& names_;
 };
 
 // How a value and its limit are written, times a factor: 100 for per cent of a share.
