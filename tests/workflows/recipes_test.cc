@@ -310,7 +310,7 @@ Value Opened(const StageGraph& graph, const std::string& name) {
 }
 
 // Fixes that do not move poses may all say where the world lies; those that judge must not tie.
-TEST(JoinRecipe, AllFixesPlaceTheWorldAndTheOddTurnsJudge) {
+TEST(JoinRecipe, AllFixesLayTheWorldOnEarthAndTheOddTurnsJudge) {
   Dataset dataset;
   for (int second = 0; second < 40; ++second) {
     dataset.fixes.emplace_back().stamp_ns = 1'000'000'000LL * second;
