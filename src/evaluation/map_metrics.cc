@@ -27,6 +27,7 @@ constexpr double kCompletenessReach_m = 0.2;
 struct Reading {
   double from_path_m = std::numeric_limits<double>::infinity();
   double distance_m = std::numeric_limits<double>::infinity();
+  double sigmas = std::numeric_limits<double>::infinity();  // the distance in units of its sigma
 };
 
 double DistanceFromSurface(const MapOverTruth& map, const Eigen::Vector3d& x) {
@@ -43,7 +44,9 @@ std::vector<Reading> ReadAccuracy(const MapOverTruth& map) {
   tbb::parallel_for(std::size_t{0}, map.size(), [&](std::size_t i) {
     const Eigen::Vector3d x = map.MapPoint(i);
     const auto from_path_m = map.FromPath(x, kWidestBand_m);
-    if (from_path_m) readings[i] = {*from_path_m, DistanceFromSurface(map, x)};
+    if (!from_path_m) return;
+    readings[i] = {*from_path_m, DistanceFromSurface(map, x)};
+    if (map.has_sigmas()) readings[i].sigmas = readings[i].distance_m / map.SigmaOfMapPoint(i);
   });
   return readings;
 }
@@ -64,15 +67,15 @@ std::vector<Reading> ReadCompleteness(const MapOverTruth& map) {
   return readings;
 }
 
-std::vector<double> DistancesWithin(const std::vector<Reading>& readings, double band_m) {
+std::vector<double> ValuesWithin(const std::vector<Reading>& readings, double band_m,
+                                 double Reading::*value) {
   const auto within = [&](const Reading& reading) { return reading.from_path_m < band_m; };
-  std::vector<double> distances;
-  distances.reserve(
-      static_cast<std::size_t>(std::count_if(readings.begin(), readings.end(), within)));
+  std::vector<double> values;
+  values.reserve(static_cast<std::size_t>(std::count_if(readings.begin(), readings.end(), within)));
   for (const Reading& reading : readings) {
-    if (within(reading)) distances.push_back(reading.distance_m);
+    if (within(reading)) values.push_back(reading.*value);
   }
-  return distances;
+  return values;
 }
 
 // Whether the surface goes on as far as the band's edge: what a map shows beyond it is not wrong.
@@ -88,6 +91,14 @@ template <class Condition>
 double ShareOf(const std::vector<double>& values, const Condition& condition) {
   return static_cast<double>(std::count_if(values.begin(), values.end(), condition)) /
          static_cast<double>(values.size());
+}
+
+std::array<double, 3> SharesWithinSigmas(const std::vector<double>& sigmas) {
+  std::array<double, 3> shares{};
+  for (std::size_t n = 0; n < shares.size(); ++n) {
+    shares[n] = ShareOf(sigmas, [&](double value) { return value <= static_cast<double>(n + 1); });
+  }
+  return shares;
 }
 
 std::optional<BandMetrics> JudgeBand(std::vector<double> accuracy,
@@ -111,6 +122,9 @@ nlohmann::ordered_json BandJson(const BandMetrics& band) {
   json["accuracy_median_mm"] = Rounded(1000.0 * band.accuracy_median_m, 2);
   json["accuracy_p90_mm"] = Rounded(1000.0 * band.accuracy_p90_m, 2);
   json["stray_over_20cm_pct"] = Rounded(100.0 * band.stray_share, 3);
+  for (std::size_t n = 0; band.within_sigmas && n < band.within_sigmas->size(); ++n) {
+    json[fmt::format("within_{}_sigma_pct", n + 1)] = Rounded(100.0 * (*band.within_sigmas)[n], 2);
+  }
   for (std::size_t k = 0; k < kMapTolerances_m.size(); ++k) {
     const MapShares& shares = band.at_tolerance[k];
     const std::string at = fmt::format("_{:.0f}cm", 100.0 * kMapTolerances_m[k]);
@@ -138,8 +152,13 @@ MapMetrics CompareMap(const MapOverTruth& map) {
   const auto accuracy = ReadAccuracy(map), completeness = ReadCompleteness(map);
   metrics.judged = kMapBands_m.size() - (IsFilled(map, kWidestBand_m) ? 0 : 1);
   for (std::size_t b = 0; b < metrics.judged; ++b) {
-    metrics.bands[b] = JudgeBand(DistancesWithin(accuracy, kMapBands_m[b]),
-                                 DistancesWithin(completeness, kMapBands_m[b]));
+    const double band_m = kMapBands_m[b];
+    auto& band = metrics.bands[b];
+    band = JudgeBand(ValuesWithin(accuracy, band_m, &Reading::distance_m),
+                     ValuesWithin(completeness, band_m, &Reading::distance_m));
+    if (band && map.has_sigmas()) {
+      band->within_sigmas = SharesWithinSigmas(ValuesWithin(accuracy, band_m, &Reading::sigmas));
+    }
   }
   return metrics;
 }

@@ -29,6 +29,9 @@ struct BandMetrics {
   double accuracy_median_m = 0.0;  // distance of map points from the surface
   double accuracy_p90_m = 0.0;
   double stray_share = 0.0;  // of map points: over 20 cm from the surface
+  // Of map points: from the surface by at most one, two, three of their sigmas. Nothing for a map
+  // that states none.
+  std::optional<std::array<double, 3>> within_sigmas;
   std::array<MapShares, kMapTolerances_m.size()> at_tolerance;
 };
 
@@ -41,14 +44,14 @@ struct MapMetrics {
 };
 
 // A map point's distance from the surface is that from the tangent plane of the nearest surface
-// point where this is within 2 cm, else that from the point itself, 1 m at most. Takes 24 bytes a
+// point where this is within 2 cm, else that from the point itself, 1 m at most. Takes 32 bytes a
 // map point besides `map`. Splits its work with TBB; the result does not depend on the threads.
 MapMetrics CompareMap(const MapOverTruth& map);
 
 // The keys of evaluation.json, rounded as printed: map_points, truth_points, visible_points and for
 // each band that is judged within_<metres>m: null or points, accuracy_median_mm,
-// accuracy_p90_mm, stray_over_20cm_pct and, for each tolerance, precision_<n>cm,
-// completeness_<n>cm, f_<n>cm.
+// accuracy_p90_mm, stray_over_20cm_pct, within_<n>_sigma_pct of a map that states them and, for
+// each tolerance, precision_<n>cm, completeness_<n>cm, f_<n>cm.
 nlohmann::ordered_json ToJson(const MapMetrics& metrics);
 
 }  // namespace rigmap

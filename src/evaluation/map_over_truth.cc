@@ -53,6 +53,18 @@ std::vector<Eigen::Vector3f> ReadMapPoints(const std::filesystem::path& ply) {
   return points;
 }
 
+std::vector<float> ReadMapSigmas(const std::filesystem::path& ply) {
+  PlyRows rows(ply);
+  const PlyProperty* sigma = rows.Find("sigma");
+  std::vector<float> sigmas_m;
+  if (!sigma) return sigmas_m;
+  sigmas_m.reserve(rows.size());
+  for (std::uint64_t i = 0; i < rows.size(); ++i) {
+    sigmas_m.push_back(static_cast<float>(PlyValue(*sigma, rows.Next())));
+  }
+  return sigmas_m;
+}
+
 std::optional<Rigid3> AlignWithTruth(std::span<const TumPose> estimate,
                                      std::span<const TumPose> truth,
                                      const EvaluationOptions& options) {
@@ -65,9 +77,10 @@ std::optional<Rigid3> AlignWithTruth(std::span<const TumPose> estimate,
 }
 
 MapOverTruth::MapOverTruth(std::vector<Eigen::Vector3f> x_in_world, const Rigid3& truth_from_world,
-                           const MapTruth& truth)
+                           const MapTruth& truth, std::vector<float> sigmas_m)
     : truth_(truth),
       x_in_world_(std::move(x_in_world)),
+      sigmas_m_(std::move(sigmas_m)),
       truth_from_world_rotation_(truth_from_world.rotation.toRotationMatrix()),
       world_in_truth_(truth_from_world.translation),
       path_(DensePath(truth.path)) {

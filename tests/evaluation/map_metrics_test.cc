@@ -67,6 +67,30 @@ TEST(CompareMap, TakesTheDistanceFromThePlaneNearby) {
   EXPECT_EQ(metrics.bands[0]->at_tolerance[1].precision, 1.0);
 }
 
+// 5 mm up: within two sigmas for the half that states 3 mm, within none for that of 1 mm.
+TEST(CompareMap, AsksHowManySigmasOffPointsAre) {
+  const MapTruth truth = MakeBeach({});
+  const Points map = Displaced(PerfectMap(truth), {0.0F, 0.0F, 0.005F});
+  std::vector<float> sigmas_m(map.size(), 0.003F);
+  std::size_t near = 0, sure = 0;
+  for (std::size_t i = 0; i < map.size(); ++i) {
+    if (i % 2 == 0) sigmas_m[i] = 0.001F;
+  }
+  const MapOverTruth over(map, Rigid3{}, truth, sigmas_m);
+  for (std::size_t i = 0; i < map.size(); ++i) {
+    if (!over.FromPath(over.MapPoint(i), 1.5)) continue;
+    ++near;
+    if (i % 2 == 1) ++sure;
+  }
+  const auto json = ToJson(CompareMap(over));
+  EXPECT_EQ(json["within_1.5m"]["within_1_sigma_pct"], 0.0);
+  EXPECT_NEAR(json["within_1.5m"]["within_2_sigma_pct"],
+              100.0 * static_cast<double>(sure) / static_cast<double>(near), 0.01);
+  EXPECT_NEAR(json["within_1.5m"]["within_3_sigma_pct"], 50.0, 1.0);
+  EXPECT_FALSE(
+      ToJson(CompareMap(AlreadyAligned(map, truth)))["within_1.5m"].contains("within_1_sigma_pct"));
+}
+
 TEST(CompareMap, TakesAMetreForWhatIsFartherThanThat) {
   const MapTruth truth = MakeBeach({});
   const Points map = Displaced(PerfectMap(truth), {0.0F, 0.0F, 7.0F});

@@ -132,6 +132,17 @@ TEST(ReadMapPoints, ReadsBackMoreThanABlock) {
   EXPECT_TRUE(ReadMapPoints(folder.Write("empty.ply", MapPly({}))).empty());
 }
 
+TEST(ReadMapSigmas, AreThoseOfTheFileIfItHasAny) {
+  std::string bytes =
+      PlyHead(2, "property float x\nproperty float y\nproperty float z\nproperty float sigma\n");
+  for (const float value : {0.0F, 0.0F, 1.0F, 0.002F, 1.0F, 0.0F, 1.0F, 0.5F}) {
+    AppendBytes(bytes, value);
+  }
+  const TemporaryFolder folder;
+  EXPECT_EQ(ReadMapSigmas(folder.Write("map.ply", bytes)), (std::vector<float>{0.002F, 0.5F}));
+  EXPECT_TRUE(ReadMapSigmas(folder.Write("bare.ply", MapPly({{0, 0, 1}}))).empty());
+}
+
 TEST(ReadMapPoints, NamesAPointThatIsNowhere) {
   std::vector<Eigen::Vector3f> points(100'000, Eigen::Vector3f::Zero());
   points[98'765].y() = std::numeric_limits<float>::quiet_NaN();

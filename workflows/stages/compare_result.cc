@@ -94,7 +94,7 @@ nlohmann::ordered_json CompareWithTruth(const std::vector<TumPose>& estimate,
   if (!truth) return json;
   const auto truth_from_world = AlignWithTruth(estimate, truth->path, options);
   if (!truth_from_world) return json;  // which the trajectory's `error` says
-  const MapOverTruth map(ReadMapPoints(map_ply), *truth_from_world, *truth);
+  const MapOverTruth map(ReadMapPoints(map_ply), *truth_from_world, *truth, ReadMapSigmas(map_ply));
   json["map"] = ToJson(CompareMap(map));
   json["rocks"] = ToJson(CompareRocks(map));
   return json;
