@@ -18,7 +18,7 @@
 #include "workflows/reconstruct_part.h"
 #include "workflows/report.h"
 #include "workflows/run_in_folder.h"
-#include "workflows/traverse_plan.h"
+#include "workflows/truth_files.h"
 
 namespace rigmap {
 namespace {

@@ -1,7 +1,6 @@
 #include "workflows/evaluate_part.h"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -16,6 +15,7 @@
 #include "workflows/part_options.h"
 #include "workflows/stages/compare_result.h"
 #include "workflows/stages/steps.h"
+#include "workflows/truth_files.h"
 
 namespace rigmap {
 namespace {
@@ -142,36 +142,6 @@ std::string Standing(const std::filesystem::path& out, const nlohmann::ordered_j
 }
 
 }  // namespace
-
-std::filesystem::path TruthFile(const std::filesystem::path& truth) {
-  if (!std::filesystem::is_directory(truth)) return truth;
-  for (const char* name : {"trajectory.tum", "groundtruth_tum.txt", "groundtruth_xy.txt"}) {
-    if (std::filesystem::exists(truth / name)) return truth / name;
-  }
-  std::vector<std::string> inside;
-  for (const auto& entry : std::filesystem::directory_iterator(truth)) {
-    if (!std::filesystem::exists(entry.path() / "trajectory.tum")) continue;
-    inside.push_back(entry.path().filename().string());
-  }
-  std::ranges::sort(inside);
-  if (!inside.empty()) {
-    throw DataError(
-        fmt::format("{}: expected trajectory.tum in it, found {} with one inside; "
-                    "name the part, or its folder",
-                    truth.string(), fmt::join(inside, ", ")));
-  }
-  throw DataError(
-      fmt::format("{}: expected trajectory.tum, groundtruth_tum.txt or groundtruth_xy.txt in it, "
-                  "found none",
-                  truth.string()));
-}
-
-std::filesystem::path WholeTruth(const std::filesystem::path& truth) {
-  const bool is_of_parts = std::filesystem::is_directory(truth) &&
-                           !std::filesystem::exists(truth / "trajectory.tum") &&
-                           !TruthFiles(truth).empty();
-  return is_of_parts ? truth : TruthFile(truth);
-}
 
 std::string EvaluatePart(const EvaluateRequest& request) {
   const auto metrics = Metrics(request);

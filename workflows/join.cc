@@ -10,12 +10,12 @@
 
 #include "core/error.h"
 #include "core/file.h"
-#include "workflows/evaluate_part.h"
 #include "workflows/join_recipe.h"
 #include "workflows/output_folder.h"
 #include "workflows/reconstruct_part.h"
 #include "workflows/run_in_folder.h"
 #include "workflows/stages/compare_result.h"
+#include "workflows/truth_files.h"
 #include "workflows/union_of_parts.h"
 
 namespace rigmap {

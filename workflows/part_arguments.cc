@@ -40,8 +40,9 @@ void AddHow(CLI::App* command, PartArguments& a) {
       "--accuracy", a.accuracy_pct,
       "Per cent of the path that scale and positions must be good to (95 %); default 1");
   command->add_option("--threads", a.threads, "Threads; default: one per core");
-  command->add_option("--memory", a.memory_mb,
-                      "Megabytes that the process may take; depth and fusion keep to it");
+  command->add_option(
+      "--memory", a.memory_mb,
+      "Megabytes that the process may take, default 2048; depth and fusion keep to it");
   command->add_option("--truth", a.truth, "TUM file, track of a prism, or folder with one");
   command->add_flag("--quiet", a.quiet, "No progress, errors only");
 }
@@ -81,7 +82,8 @@ void AddUseRtk(CLI::App* command, bool& use_rtk) {
 void AddCuts(CLI::App* command, RunArguments& a) {
   command->add_option("--split", a.split, "Cut the traverse into so many jobs");
   command->add_option("--max-frames", a.max_frames, "Cut it into jobs of at most so many pairs");
-  command->add_option("--overlap", a.overlap, "Pairs that jobs cut from one part share");
+  command->add_option("--overlap", a.overlap,
+                      "Pairs that jobs cut from one part share, default 10");
 }
 
 // The place of a stage in the technique's order.

@@ -12,7 +12,7 @@
 #include "workflows/stages/compare_result.h"
 #include "workflows/stages/dense.h"
 #include "workflows/stages/fusion.h"
-#include "workflows/traverse_plan.h"
+#include "workflows/truth_files.h"
 
 namespace rigmap {
 namespace {

@@ -10,7 +10,7 @@
 #include "core/error.h"
 #include "core/stamp.h"
 #include "core/stamp_steps.h"
-#include "workflows/evaluate_part.h"
+#include "workflows/truth_files.h"
 
 namespace rigmap {
 namespace {
@@ -147,23 +147,6 @@ void AddJobs(const DatasetRequest& part, const PartData& findings, int pieces,
 }
 
 }  // namespace
-
-std::optional<fs::path> TruthOfPart(const std::optional<fs::path>& truth,
-                                    const DatasetRequest& part) {
-  if (!truth || !fs::is_directory(*truth) || fs::exists(*truth / "trajectory.tum")) return truth;
-  const fs::path own = *truth / fmt::format("Part{}", part.part.value_or(1));
-  if (fs::exists(own / "trajectory.tum")) return own;
-  const bool has_others =
-      std::any_of(fs::directory_iterator(*truth), {}, [](const fs::directory_entry& entry) {
-        return entry.path().filename().string().starts_with("Part") &&
-               fs::exists(entry.path() / "trajectory.tum");
-      });
-  return has_others ? std::nullopt : truth;
-}
-
-fs::path TruthOfRun(const fs::path& truth, const DatasetRequest& part) {
-  return TruthFile(part.part ? TruthOfPart(truth, part).value_or(truth) : truth);
-}
 
 int PiecesOfAtMost(int max_pairs, int pairs, int overlap) {
   const int own = max_pairs - overlap;  // of each piece, beside what it shares with the next

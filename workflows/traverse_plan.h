@@ -58,12 +58,6 @@ struct TraversePlan {
 // cannot be.
 TraversePlan PlanTraverse(const PlanRequest& request);
 
-// What --truth means for one part: of a folder with some of parts its own, if it has one.
-std::optional<std::filesystem::path> TruthOfPart(const std::optional<std::filesystem::path>& truth,
-                                                 const DatasetRequest& part);
-// The file of the truth (TruthFile) for a run of the part that the request names, if it names one.
-std::filesystem::path TruthOfRun(const std::filesystem::path& truth, const DatasetRequest& part);
-
 // Pieces of a part of so many pairs, the fewest of which none has more than `max_pairs`, the
 // `overlap` that neighbours share among them.
 int PiecesOfAtMost(int max_pairs, int pairs, int overlap);

@@ -2,9 +2,6 @@
 
 #include <gmock/gmock.h>
 
-#include "core/error.h"
-#include "tests/support/temporary_folder.h"
-
 namespace rigmap {
 namespace {
 
@@ -26,25 +23,6 @@ TEST(PartsAtOnceTest, FitIntoTheMemory) {
   EXPECT_EQ(PartsAtOnce(PlanOf(10, 50, 1.0), 16, 2048), 4);
   EXPECT_EQ(PartsAtOnce(PlanOf(10, 50, 1.0), 8, 8192), 8);
   EXPECT_EQ(PartsAtOnce(PlanOf(10, 50, 12.0), 16, 2048), 1);
-}
-
-TEST(TruthOfRunTest, IsOfThePartThatIsNamed) {
-  const TemporaryFolder truth;
-  for (const char* part : {"Part1", "Part2"}) {
-    std::filesystem::create_directories(truth.Path() / part);
-    truth.Write(std::string(part) + "/trajectory.tum", "0 0 0 0 0 0 0 1\n");
-  }
-  EXPECT_EQ(TruthOfRun(truth.Path(), {.part = 2}), truth.Path() / "Part2" / "trajectory.tum");
-  EXPECT_EQ(TruthOfRun(truth.Path() / "Part1", {.part = 2}),
-            truth.Path() / "Part1" / "trajectory.tum");
-  for (const DatasetRequest& request : {DatasetRequest{}, DatasetRequest{.part = 3}}) {
-    try {
-      TruthOfRun(truth.Path(), request);
-      ADD_FAILURE();
-    } catch (const DataError& error) {
-      EXPECT_THAT(error.what(), testing::HasSubstr("found Part1, Part2 with one inside"));
-    }
-  }
 }
 
 using Cuts = std::vector<std::pair<int, int>>;
