@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <set>
+#include <tuple>
 
 #include "adjustment/calibration_prior.h"
 #include "adjustment/pool_calibrations.h"
@@ -44,11 +45,19 @@ bool IsSameKind(const Camera& a, const Camera& b) {
          std::abs(a.fy / a.fx - b.fy / b.fx) < kRounding;
 }
 
+bool DoStateTheSame(const RigSigmas& a, const RigSigmas& b) {
+  const auto all = [](const RigSigmas& s) {
+    return std::tie(s.rotation_deg, s.focal_pct, s.principal_point_px, s.distortion_px, s.board_px);
+  };
+  return all(a) == all(b);
+}
+
 bool IsSameRig(const StereoRig& a, const StereoRig& b) {
   const auto& known = a.calibration_covariance;
   return IsSameKind(a.left.camera, b.left.camera) && IsSameKind(a.right.camera, b.right.camera) &&
          CorrectionBetween(a, b).cwiseAbs().maxCoeff() < kRounding &&
          a.right_from_left.translation.isApprox(b.right_from_left.translation, kRounding) &&
+         DoStateTheSame(a.stated_sigmas, b.stated_sigmas) &&
          known.has_value() == b.calibration_covariance.has_value() &&
          (!known || known->isApprox(*b.calibration_covariance, kRounding));
 }
@@ -125,7 +134,8 @@ Pool ReadPool(const std::vector<std::filesystem::path>& outs) {
   pool.parts = ReadParts(outs);
   RequireCommensurable(pool.parts);
   const PooledRig& first = pool.parts.front().calibration.given;
-  pool.start = pool.base = StartOf(first);
+  pool.start = StartOf(first);
+  pool.base = RigBeforePool(first);  // with the masks, antenna and the like of the file itself
   if (AddToOnePool(pool.parts)) {
     pool.base = first.rig;
     pool.earlier = first.pool->parts;
@@ -166,7 +176,7 @@ RigPool Contributions(const Pool& pool, const PooledCalibration& calibration,
     if (!found) ThrowSingular();
     contributions.parts.push_back(
         {part.frames, CorrectionBetween(pool.start, Corrected(without, found->correction)),
-         found->covariance});
+         found->covariance + calibration.between});
   }
   for (std::size_t i = 0; i < pool.parts.size(); ++i) {
     const ProbableCorrection& without = calibration.parts[i].without;

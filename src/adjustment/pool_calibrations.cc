@@ -1,6 +1,8 @@
 #include "adjustment/pool_calibrations.h"
 
 #include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
 
 namespace rigmap {
 namespace {
@@ -76,6 +78,53 @@ std::optional<Estimate> ComparedEstimate(RigRefinement compared,
                                         counted)}};
 }
 
+// How far a part is from all others, in the parameters that are free.
+struct Difference {
+  double square = 0.0;    // in units of what both leave unknown
+  double free = 0.0;      // parameters
+  double response = 0.0;  // of the square to rigs that differ by the prior
+};
+
+Difference DifferenceOf(const WitnessComparison& part, const CalibrationMatrix& usual) {
+  const CalibrationVector apart = part.alone.correction - part.others.correction;
+  const auto both = (part.alone.covariance + part.others.covariance).eval().ldlt();
+  CalibrationMatrix free = CalibrationMatrix::Zero();
+  for (int i = 0; i < kCalibrationSize; ++i) free(i, i) = apart(i) != 0.0 ? 1.0 : 0.0;
+  return {apart.dot(both.solve(apart)), free.trace(),
+          both.solve(free * usual * free).eval().trace()};
+}
+
+// By how much the sum of the squares of as many parts of one rig exceeds its mean in one of twenty
+// cases: without such a limit chance alone would take a fifth of what they tell.
+double ByChance(double free, double parts) {
+  constexpr double kOneOfTwenty = 1.645;
+  // Each part is compared with the mean of all others, so that one of them is told by the rest.
+  const double independent = free * (parts - 1.0) / parts;
+  return kOneOfTwenty * std::sqrt(2.0 * independent) * parts / (parts - 1.0);
+}
+
+// What the variance between parts adds for one that is not among those pooled. A rig gives as much,
+// in units of what rig files are usually off by, in all parameters.
+void AddWhatRigsGive(const CalibrationMatrix& usual, PooledCalibration& pooled) {
+  const auto count = static_cast<double>(pooled.parts.size());
+  if (pooled.parts.size() < 2) return;
+  Difference sum;
+  for (const WitnessComparison& part : pooled.parts) {
+    const Difference difference = DifferenceOf(part, usual);
+    sum.square += difference.square;
+    sum.free += difference.free;
+    sum.response += difference.response;
+  }
+  if (sum.square <= sum.free + ByChance(sum.free, count) || sum.response <= 0.0) return;
+  // The mean of all others gives as well, by one part's share of it.
+  const double of_usual = (sum.square - sum.free) / sum.response * (count - 1.0) / count;
+  pooled.between = of_usual * usual;
+  pooled.pooled.covariance += (1.0 + 1.0 / count) * pooled.between;
+  for (WitnessComparison& part : pooled.parts) {
+    part.without.covariance += (1.0 + 1.0 / (count - 1.0)) * pooled.between;
+  }
+}
+
 // What the parts say is as sure as it is: their correlations have been counted.
 AdjustmentOptions Counted(const AdjustmentOptions& options) {
   AdjustmentOptions counted = options;
@@ -99,6 +148,7 @@ std::optional<PooledCalibration> PoolCalibrations(const std::vector<CalibrationW
   const auto pooled = EstimateOf(parts, nullptr, prior, counted);
   if (!pooled) return std::nullopt;
   PooledCalibration result{pooled->refined, pooled->found, {}};
+  const CalibrationMatrix usual = prior.information.ldlt().solve(CalibrationMatrix::Identity());
   const CalibrationVector& correction = result.pooled.correction;
   // Parts that contradict each other confirm nothing together: then all but the focal length is
   // compared.
@@ -110,13 +160,11 @@ std::optional<PooledCalibration> PoolCalibrations(const std::vector<CalibrationW
     const auto without = EstimateOf(parts, &part, prior, counted);
     if (!alone || !others || !without) return std::nullopt;
     WitnessComparison comparison{alone->found, others->found, 0.0, without->found};
-    const CalibrationMatrix both = alone->found.covariance + others->found.covariance;
-    const CalibrationVector difference = alone->found.correction - others->found.correction;
-    const auto freed = static_cast<double>((difference.array() != 0.0).count());
-    comparison.square_per_parameter =
-        difference.dot(both.ldlt().solve(difference)) / std::max(1.0, freed);
+    const Difference difference = DifferenceOf(comparison, usual);
+    comparison.square_per_parameter = difference.square / std::max(1.0, difference.free);
     result.parts.push_back(comparison);
   }
+  AddWhatRigsGive(usual, result);
   return result;
 }
 

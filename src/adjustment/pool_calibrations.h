@@ -35,6 +35,9 @@ struct PooledCalibration {
   RigRefinement refined = RigRefinement::kNone;  // which parameters the parts together tell
   ProbableCorrection pooled;  // of all parameters: what is held counts in the covariance as well
   std::vector<WitnessComparison> parts;
+  // Of the rig from one part to the next, beyond what each leaves unknown: a rig gives. In the
+  // covariances above as far as another part's rig differs by it.
+  CalibrationMatrix between = CalibrationMatrix::Zero();
 };
 
 // The correction that the parts tell, and what of all parameters they leave unknown under the
@@ -44,8 +47,11 @@ std::optional<ProbableCorrection> PooledCorrection(const std::vector<Calibration
                                                    const AdjustmentOptions& options);
 
 // The most probable correction of the rig file given what all parts say, stretches of all of them
-// being left out in turn as in one part. The prior counts once. Nothing where the equations are
-// singular. Parts of the same rig file only; at least one.
+// being left out in turn as in one part. The prior counts once. How far rigs differ between parts
+// is told by how far each part is from all others beyond what both leave unknown, in the mean of
+// the parts, as a share of the prior's covariance (a model of random effects, DerSimonian and Laird
+// 1986); one part tells nothing of it.
+// Nothing where the equations are singular. Parts of the same rig file only; at least one.
 std::optional<PooledCalibration> PoolCalibrations(const std::vector<CalibrationWitness>& parts,
                                                   const CalibrationPrior& prior,
                                                   const AdjustmentOptions& options);

@@ -73,6 +73,30 @@ TEST_F(PoolCalibrationsTest, NamesAPartOfAnotherRig) {
   EXPECT_GT(pooled.parts[2].square_per_parameter, 2.0 * pooled.parts[0].square_per_parameter);
 }
 
+// Rigs of twelve parts differ by a fifth of what rig files are usually off by, which each part
+// knows to a fiftieth. The rig of a thirteenth is so much off the pool, and its prior says so.
+TEST_F(PoolCalibrationsTest, WhatRigsGiveFromPartToPartIsUnknownOfTheNext) {
+  constexpr double kGives = 0.2;
+  std::vector<CalibrationWitness> parts;
+  for (int i = 0; i < 12; ++i) {
+    CalibrationVector rig = CalibrationVector::Zero();
+    for (int k = 0; k < kCalibrationSize; ++k) rig(k) = random_.Normal(kGives * prior_.sigmas(k));
+    parts.push_back(Witness(rig, CalibrationVector::Zero()));
+  }
+  const PooledCalibration pooled = Pool(parts);
+  const auto sigmas = [&](const CalibrationMatrix& covariance) {
+    return covariance.diagonal().cwiseSqrt().cwiseQuotient(prior_.sigmas).eval();
+  };
+  for (const double sigma : sigmas(pooled.between)) EXPECT_NEAR(sigma, kGives, 0.05);
+  for (const double sigma : sigmas(pooled.pooled.covariance)) EXPECT_GT(sigma, 0.16);
+  for (const double sigma : sigmas(pooled.parts[3].without.covariance)) EXPECT_GT(sigma, 0.16);
+  // Of parts of one rig the pool is as sure as their noise leaves it.
+  const CalibrationVector zero = CalibrationVector::Zero();
+  const PooledCalibration same =
+      Pool({Witness(zero, zero), Witness(zero, zero), Witness(zero, zero), Witness(zero, zero)});
+  for (const double sigma : sigmas(same.between)) EXPECT_LT(sigma, 0.03);
+}
+
 TEST_F(PoolCalibrationsTest, CorrectsNothingWhereNothingIsWrong) {
   const CalibrationVector zero = CalibrationVector::Zero();
   const PooledCalibration pooled = Pool({Witness(zero, zero), Witness(zero, zero)});
@@ -118,7 +142,9 @@ TEST_F(PoolCalibrationsTest, KnowsTheRigWithoutEachPart) {
   const PooledCalibration pooled = Pool({a, b, c});
   const PooledCalibration others = Pool({a, c});
   EXPECT_EQ(pooled.parts[1].without.correction, others.pooled.correction);
-  EXPECT_EQ(pooled.parts[1].without.covariance, others.pooled.covariance);
+  // Beside what each pool says of how rigs give, which the third part has a say in.
+  const CalibrationMatrix known = pooled.parts[1].without.covariance - 1.5 * pooled.between;
+  EXPECT_TRUE(known.isApprox(others.pooled.covariance - 1.5 * others.between, 1e-9));
   // Without the only one the prior is left.
   const PooledCalibration single = Pool({a});
   EXPECT_TRUE(single.parts[0].without.correction.isZero());

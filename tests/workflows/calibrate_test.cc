@@ -123,6 +123,30 @@ TEST_F(CalibrateTest, APartOfThePoolIsGivenWhatTheOthersTell) {
   EXPECT_THAT(across->remark, HasSubstr("several"));
 }
 
+// What the images do not tell stays the file's: a map without its masks shows the rover.
+TEST_F(CalibrateTest, MasksAntennaAndBaselinesSigmaStayInTheFile) {
+  PooledRig given{start_, {}};
+  given.rig.left.mask_path = folder_.Write("left.png", "").string();
+  const PooledRig pooled = Pool({Part("a", {"a"}, given), Part("b", {"b"}, given)});
+  EXPECT_EQ(pooled.rig.left.mask_path, given.rig.left.mask_path);
+  // Written into the pooled file since; then both parts anew with it, and pooled once more.
+  PooledRig more = pooled;
+  more.rig.antenna_in_left = Eigen::Vector3d(0.1, -0.5, 0.0);
+  more.rig.baseline_sigma_m = 1e-4;
+  const PooledRig again = Pool({Part("a", {"a"}, more), Part("b", {"b"}, more)});
+  EXPECT_EQ(again.rig.left.mask_path, given.rig.left.mask_path);
+  EXPECT_EQ(again.rig.antenna_in_left, more.rig.antenna_in_left);
+  EXPECT_EQ(again.rig.baseline_sigma_m, more.rig.baseline_sigma_m);
+  ExpectAgree(again.rig, pooled.rig);
+}
+
+TEST_F(CalibrateTest, PartsOfFilesThatStateOtherSigmasAreRefused) {
+  StereoRig stated = start_;
+  stated.stated_sigmas.board_px = 0.2;
+  EXPECT_THAT(Complaint({Part("a", {"a"}, {start_, {}}), Part("b", {"b"}, {stated, {}})}),
+              HasSubstr("expected a part made with the rig file of"));
+}
+
 TEST_F(CalibrateTest, PartsRunWithAPoolCountOnceInTheNext) {
   const fs::path a = Part("a", {"a"}, {start_, {}}), b = Part("b", {"b"}, {start_, {}});
   const PooledRig first = Pool({a, b});

@@ -86,7 +86,7 @@ void PublishCalibration(const Dataset& dataset, const DatasetContent& content,
                         const Adjustment& adjustment, Publication& publication) {
   std::vector<std::string> frames = content.images;
   std::erase(frames, "");
-  Json part = {{"rig", WritePooledRigFile({WithoutMasks(dataset.rig), dataset.rig_pool})},
+  Json part = {{"rig", WritePooledRigFile({dataset.rig, dataset.rig_pool})},
                {"frames", frames},
                {"correction", Numbers(adjustment.rig_correction)},
                {"stretches", Json::array()},
