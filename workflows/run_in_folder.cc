@@ -108,7 +108,7 @@ PartResult RunInFolder(const FolderRun& run, Dataset dataset, Job& job) {
   RequireOwnOutput(root, mark, request.force);
   ClaimOutput(root, mark, request.force);
   try {
-    WriteJoinableRig(root, input.rig_file);
+    WriteJoinableInput(root, {input.dataset, input.content, input.rig_file});
     const Ledger ledger = RunRecipe(run, root, input, job);
     WriteOutcome(root, run, ledger, "");
     TryToWriteReport(root, &input.dataset);

@@ -21,14 +21,14 @@ namespace fs = std::filesystem;
 struct OpenedPart {
   fs::path root;  // absolute
   std::string name;
-  PooledRig rig_file;
-  JoinableFrames frames;
+  JoinableInput input;
+  FeatureIndex features;
   Odometry odometry;
   std::optional<DepthIndex> depths;
   std::string status;
   std::vector<TumPose> trajectory;  // empty: none
 
-  const std::vector<StereoFrame>& Stereo() const { return frames.dataset.frames; }
+  const std::vector<StereoFrame>& Stereo() const { return input.dataset.frames; }
   StampNs FirstStamp() const { return Stereo().front().stamp_ns; }
 };
 
@@ -44,29 +44,30 @@ OpenedPart Open(const PartFolder& folder) {
   const fs::path tum = root / "trajectory.tum";
   OpenedPart part{root,
                   folder.name,
-                  ReadJoinableRig(root),
-                  ReadJoinableFrames(root),
+                  ReadJoinableInput(root),
+                  ReadJoinableFeatures(root),
                   ReadJoinableOdometry(root),
                   ReadJoinableDepths(root),
                   StatusOf(root),
                   fs::exists(tum) ? ReadTum(tum) : std::vector<TumPose>()};
-  Dataset& dataset = part.frames.dataset;
-  part.rig_file.rig.source = dataset.rig.source;
+  Dataset& dataset = part.input.dataset;
+  part.input.rig_file.rig.source = dataset.rig.source;
   // The whole has a prior of its own.
-  if (const auto prior = WithoutPart(part.rig_file, part.frames.content.images)) {
+  if (const auto prior = WithoutPart(part.input.rig_file, part.input.content.images)) {
     std::erase(dataset.health.remarks, prior->remark);
   }
   return part;
 }
 
 void RequireAlike(const OpenedPart& first, const OpenedPart& other) {
-  const StereoRig rig = RigBeforePool(first.rig_file), found = RigBeforePool(other.rig_file);
+  const StereoRig rig = RigBeforePool(first.input.rig_file),
+                  found = RigBeforePool(other.input.rig_file);
   if (DescribeRig(rig) != DescribeRig(found)) {
     throw DataError(fmt::format("{}: expected the rig of {} ({}), found another ({})",
                                 other.root.string(), first.root.string(), rig.source,
                                 found.source));
   }
-  if (first.frames.features.how != other.frames.features.how) {
+  if (first.features.how != other.features.how) {
     throw DataError(fmt::format(
         "{}: expected keypoints found with the same options as those of {}, found others",
         other.root.string(), first.root.string()));
@@ -79,10 +80,11 @@ std::string DescribeFile(const PooledRig& file) {
 
 // What the whole begins with: the file of all parts or, where their pools differ, none of these.
 PooledRig RigFileOfAll(const std::vector<OpenedPart>& parts) {
-  const PooledRig& first = parts.front().rig_file;
+  const PooledRig& first = parts.front().input.rig_file;
   const std::string described = DescribeFile(first);
-  const bool same = std::ranges::all_of(
-      parts, [&](const OpenedPart& part) { return DescribeFile(part.rig_file) == described; });
+  const bool same = std::ranges::all_of(parts, [&](const OpenedPart& part) {
+    return DescribeFile(part.input.rig_file) == described;
+  });
   return same ? first : PooledRig{RigBeforePool(first), {}};
 }
 
@@ -103,7 +105,7 @@ class Uniter {
   }
 
   UnionOfParts Unite() {
-    result_.dataset.format = parts_.front().frames.dataset.format;
+    result_.dataset.format = parts_.front().input.dataset.format;
     PooledRig rig_file = RigFileOfAll(parts_);
     result_.dataset.rig = std::move(rig_file.rig);
     result_.dataset.rig_pool = std::move(rig_file.pool);
@@ -114,7 +116,7 @@ class Uniter {
     }
     std::vector<std::pair<std::string, std::vector<std::string>>> remarks;
     for (const OpenedPart& part : parts_) {
-      remarks.emplace_back(part.name, part.frames.dataset.health.remarks);
+      remarks.emplace_back(part.name, part.input.dataset.health.remarks);
     }
     result_.dataset.health.remarks = RemarksOfParts(remarks);
     CountImages();
@@ -126,17 +128,20 @@ class Uniter {
  private:
   StampNs StampOf(const PartFrame& f) const { return parts_[f.part].Stereo()[f.frame].stamp_ns; }
   const std::string& ContentOf(const PartFrame& f) const {
-    return parts_[f.part].frames.content.frames[f.frame];
+    return parts_[f.part].input.content.frames[f.frame];
+  }
+  const std::string& ImagesOf(const PartFrame& f) const {
+    return parts_[f.part].input.content.images[f.frame];
   }
   FrameFile FromOut(const OpenedPart& part, const FrameFile& file) const {
     return {fs::relative(part.root / file.name, out_).string(), file.key};
   }
 
   void AddPart(const OpenedPart& part) {
-    const Dataset& dataset = part.frames.dataset;
+    const Dataset& dataset = part.input.dataset;
     result_.parts.parts.push_back(
         {part.name, static_cast<int>(dataset.frames.size()), 0, part.status});
-    const auto& px = part.frames.features.epipolar_px;
+    const auto& px = part.features.epipolar_px;
     result_.parts.epipolar_px.insert(result_.parts.epipolar_px.end(), px.begin(), px.end());
     DatasetHealth& health = result_.dataset.health;
     const auto append = [](const auto& from, auto& to) {
@@ -146,7 +151,7 @@ class Uniter {
     };
     append(dataset.health.lone_images, health.lone_images);
     append(dataset.health.unreadable_images, health.unreadable_images);
-    append(part.frames.features.unreadable_images, result_.parts.unreadable_images);
+    append(part.features.unreadable_images, result_.parts.unreadable_images);
   }
 
   void AddFrame(const PartFrame& f) {
@@ -154,10 +159,11 @@ class Uniter {
     const int index = static_cast<int>(result_.dataset.frames.size());
     result_.dataset.frames.push_back(part.Stereo()[f.frame]);
     result_.contents.push_back(ContentOf(f));
+    last_ = f;
     result_.parts.first_part.push_back(f.part);
-    result_.parts.features.push_back(FromOut(part, part.frames.features.files[f.frame]));
+    result_.parts.features.push_back(FromOut(part, part.features.files[f.frame]));
     result_.parts.keyframes.push_back(part.odometry[f.frame].keyframe ? 1 : 0);
-    if (std::ranges::binary_search(part.frames.features.unreadable_frames, f.frame)) {
+    if (std::ranges::binary_search(part.features.unreadable_frames, f.frame)) {
       result_.parts.unreadable_frames.push_back(index);
     }
     result_.depths.of_frames.emplace_back();
@@ -175,7 +181,8 @@ class Uniter {
   // The frame before it, which an earlier part has as well.
   void AddAgain(const PartFrame& f) {
     const OpenedPart& part = parts_[f.part];
-    if (ContentOf(f) != result_.contents.back()) {
+    // By their bytes: how many bits of a value are used each part finds by its own images.
+    if (ImagesOf(f) != ImagesOf(last_)) {
       throw DataError(fmt::format("{}: expected {} as other parts have it, found another image",
                                   part.root.string(), part.Stereo()[f.frame].left_path));
     }
@@ -211,7 +218,7 @@ class Uniter {
   void AddSensors() {
     Dataset& d = result_.dataset;
     for (const OpenedPart& part : parts_) {
-      const Dataset& own = part.frames.dataset;
+      const Dataset& own = part.input.dataset;
       Append(own.lone_images, d.lone_images);
       Append(own.inclinometer, d.inclinometer);
       Append(own.wheels.samples, d.wheels.samples);
@@ -243,6 +250,7 @@ class Uniter {
   const std::vector<OpenedPart>& parts_;
   fs::path out_;
   std::vector<PartFrame> frames_;  // of all parts, in order of time
+  PartFrame last_;                 // of these that was added, not again
   UnionOfParts result_;
 };
 
@@ -261,9 +269,9 @@ UnionOfParts UniteParts(const std::vector<PartFolder>& folders, const fs::path& 
   std::ranges::stable_sort(parts, {}, &OpenedPart::FirstStamp);
   // All parts of a stereo folder come with its truth.
   UnionOfParts whole = Uniter(parts, fs::weakly_canonical(out)).Unite();
-  const std::string& truth = parts.front().frames.dataset.truth_path;
+  const std::string& truth = parts.front().input.dataset.truth_path;
   const bool same = std::ranges::all_of(
-      parts, [&](const OpenedPart& part) { return part.frames.dataset.truth_path == truth; });
+      parts, [&](const OpenedPart& part) { return part.input.dataset.truth_path == truth; });
   if (same) whole.dataset.truth_path = truth;
   return whole;
 }

@@ -108,5 +108,23 @@ TEST_F(RigOfTheWhole, IsTheOneBeforeAnyPoolWherePartsWereGivenDifferentOnes) {
   EXPECT_EQ(whole.rig.antenna_in_left, expected.antenna_in_left);
 }
 
+// Where nothing of a part need be made anew, since the images are the same.
+TEST_F(RigOfTheWhole, DataThatMovedAreTakenFromWhereTheyAreNow) {
+  const fs::path data = CopyOfSimulatedPart(folder_.Path()), moved = folder_.Path() / "moved";
+  const auto part = [&](const fs::path& from, const std::string& frames) {
+    const fs::path out = folder_.Path() / ("of-" + frames.substr(0, 1));
+    const ProgramEnd end = RunRigmap({"part", "--dataset", from, "--frames", frames, "--out", out,
+                                      "--until", "odometry", "--quiet"});
+    EXPECT_EQ(end.exit_code, 0) << end.err;
+    return out;
+  };
+  part(data, "0:5");
+  part(data, "4:8");
+  fs::rename(data, moved);
+  const Dataset whole = Unite({part(moved, "0:5"), part(moved, "4:8")});
+  ASSERT_EQ(whole.frames.size(), 8U);
+  for (const StereoFrame& frame : whole.frames) EXPECT_TRUE(fs::exists(frame.left_path));
+}
+
 }  // namespace
 }  // namespace rigmap

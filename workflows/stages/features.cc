@@ -12,15 +12,16 @@
 namespace rigmap {
 namespace {
 
-constexpr const char* kJoinableFrames = "joining/frames.bin";
-constexpr const char* kJoinableRig = "joining/rig.bin";
+constexpr const char* kJoinableFeatures = "joining/features.bin";
+constexpr const char* kJoinableInput = "joining/input.bin";
 
-struct StoredRigFile {
-  PooledRig file;
+struct StoredInput {
+  JoinableInput input;
 
   template <class Archive>
   void save(Archive& archive) const {
-    archive(file.rig, file.pool.has_value());
+    const PooledRig& file = input.rig_file;
+    archive(input.dataset, input.content, file.rig, file.pool.has_value());
     if (!file.pool) return;
     archive(file.pool->start, file.pool->parts.size());
     for (const RigWithoutPart& part : file.pool->parts) {
@@ -29,8 +30,9 @@ struct StoredRigFile {
   }
   template <class Archive>
   void load(Archive& archive) {
+    PooledRig& file = input.rig_file;
     bool is_pooled = false;
-    archive(file.rig, is_pooled);
+    archive(input.dataset, input.content, file.rig, is_pooled);
     if (!is_pooled) return;
     std::size_t parts = 0;
     archive(file.pool.emplace().start, parts);
@@ -98,9 +100,8 @@ Report ReportFeatures(const FeatureIndex& index, const Dataset&, const DatasetCo
 }
 
 void PublishFeatures(Publication& publication, const StageContext&, const FeatureIndex& index,
-                     const Dataset& dataset, const DatasetContent& content) {
-  PublishJoinable(publication, kJoinableFrames, CodeHere(),
-                  JoinableFrames{dataset, content, index});
+                     const Dataset&, const DatasetContent&) {
+  PublishJoinable(publication, kJoinableFeatures, CodeHere(), index);
 }
 
 bool AreFeaturesThere(const StageContext& context, const FeatureIndex& index) {
@@ -116,25 +117,24 @@ FeaturesStage Features() {
               "sky and what belongs to the rover left out",
           .code = CodeHere(),
           .make = MakeFeatures,
-          .publishes = {kJoinableFrames},
+          .publishes = {kJoinableFeatures},
           .publish = PublishFeatures,
           .is_whole = AreFeaturesThere,
           .report = ReportFeatures};
 }
 
-JoinableFrames ReadJoinableFrames(const std::filesystem::path& root) {
-  return ReadJoinable<JoinableFrames>(root, kJoinableFrames, CodeHere());
+FeatureIndex ReadJoinableFeatures(const std::filesystem::path& root) {
+  return ReadJoinable<FeatureIndex>(root, kJoinableFeatures, CodeHere());
 }
 
-void WriteJoinableRig(const std::filesystem::path& root, const PooledRig& file) {
-  StoredRigFile stored{file};
-  stored.file.rig.source.clear();  // the same bytes wherever the data lie
-  std::filesystem::create_directories((root / kJoinableRig).parent_path());
-  WriteArtefact(root / kJoinableRig, HashText(CodeHere()), stored);
+void WriteJoinableInput(const std::filesystem::path& root, JoinableInput input) {
+  input.rig_file.rig.source.clear();
+  std::filesystem::create_directories((root / kJoinableInput).parent_path());
+  WriteArtefact(root / kJoinableInput, HashText(CodeHere()), StoredInput{std::move(input)});
 }
 
-PooledRig ReadJoinableRig(const std::filesystem::path& root) {
-  return ReadJoinable<StoredRigFile>(root, kJoinableRig, CodeHere()).file;
+JoinableInput ReadJoinableInput(const std::filesystem::path& root) {
+  return ReadJoinable<StoredInput>(root, kJoinableInput, CodeHere()).input;
 }
 
 FeatureStore OpenFeatures(const StageContext& context, const FeatureIndex& index) {

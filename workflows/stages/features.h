@@ -32,25 +32,22 @@ using FeaturesStage =
     Stage<FeatureIndex, Takes<Dataset, DatasetContent>, Reads<FeatureOptions, MaskOptions>>;
 FeaturesStage Features();
 
-// The same name where parts are joined: theirs, as they lie.
-struct JoinableFrames {
+// As the stage has left it in a part's folder, files relative to that. Throws DataError
+// (joinable.h).
+FeatureIndex ReadJoinableFeatures(const std::filesystem::path& root);
+
+// What a part was given. Written by every run, before its stages: where images, fixes and truth lie
+// may change, and what they say of the truth, though no stage need be done anew.
+struct JoinableInput {
   Dataset dataset;
   DatasetContent content;
-  FeatureIndex features;  // files relative to the part's folder
-
-  template <class Archive>
-  void serialize(Archive& archive) {
-    archive(dataset, content, features);
-  }
+  // With its pool: what of a pool is the prior of a part is not what is that of several. Without
+  // its own path.
+  PooledRig rig_file;
 };
-// As the stage has left it in a part's folder. Throws DataError (joinable.h).
-JoinableFrames ReadJoinableFrames(const std::filesystem::path& root);
-
-// The rig file that a part was given, with its pool, beside them: what of a pool is the prior of a
-// part is not what is that of several. Written before the stages; without its own path.
-void WriteJoinableRig(const std::filesystem::path& root, const PooledRig& file);
-// Throws DataError as ReadJoinableFrames.
-PooledRig ReadJoinableRig(const std::filesystem::path& root);
+void WriteJoinableInput(const std::filesystem::path& root, JoinableInput input);
+// Throws DataError as ReadJoinableFeatures.
+JoinableInput ReadJoinableInput(const std::filesystem::path& root);
 
 // A view: what the other stages get of them.
 FeatureStore OpenFeatures(const StageContext& context, const FeatureIndex& index);
