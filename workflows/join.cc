@@ -8,8 +8,11 @@
 #include <nlohmann/json.hpp>
 #include <opencv2/core.hpp>
 
+#include "core/artefact.h"
 #include "core/error.h"
 #include "core/file.h"
+#include "pipeline/code_identity.h"
+#include "pipeline/ledger.h"
 #include "workflows/join_recipe.h"
 #include "workflows/output_folder.h"
 #include "workflows/reconstruct_part.h"
@@ -39,12 +42,49 @@ PartResult Run(const JoinRequest& request, const PartRequest& whole, UnionOfPart
   return job.Run([&] { return RunInFolder({whole, "join", recipe, mark}, united.dataset, job); });
 }
 
-// The names of the parts of each world, as the run has found them; empty where it did not come to
-// that.
-std::vector<std::vector<std::string>> WorldsIn(const fs::path& out) {
+// The names of the parts of each world.
+using Worlds = std::vector<std::vector<std::string>>;
+
+// As the run has found them; empty where it did not come to that.
+Worlds WorldsIn(const fs::path& out) {
   const auto summary = nlohmann::json::parse(ReadTextFile(out / "summary.json"));
-  return summary.value("worlds", std::vector<std::vector<std::string>>());
+  return summary.value("worlds", Worlds());
 }
+
+// What an adjustment of all parts has told of several worlds is kept beside these: the output
+// itself then is of the largest, and the same command again is to go on from there.
+class WorldsFile {
+ public:
+  WorldsFile(const JoinRequest& request, const std::vector<PartFolder>& folders)
+      : path_(request.whole.out / kWorldsFolder / "worlds.json") {
+    std::string text(SourceVersion());
+    text += WritePartOptions(request.whole.options);
+    for (const PartFolder& folder : folders) {
+      text += folder.name;
+      for (const StageRecord& record : ReadLedger(folder.root).stages) text += record.key;
+    }
+    key_ = HashText(text);
+  }
+
+  // Empty where nothing is known of these parts with these options by this program.
+  Worlds Read() const {
+    if (!fs::exists(path_)) return {};
+    const auto file = nlohmann::json::parse(ReadTextFile(path_), nullptr, false);
+    if (!file.is_object() || file.value("key", "") != key_) return {};
+    return file.value("worlds", Worlds());
+  }
+  void Write(const Worlds& worlds) const {
+    fs::create_directories(path_.parent_path());
+    WriteFileAtomically(path_, [&](std::ostream& stream) {
+      stream << nlohmann::json{{"key", key_}, {"worlds", worlds}}.dump(1) << "\n";
+    });
+  }
+  void Remove() const { fs::remove(path_); }
+
+ private:
+  fs::path path_;
+  std::string key_;
+};
 
 std::vector<PartFolder> FoldersOf(const std::vector<std::string>& world,
                                   const std::vector<PartFolder>& folders) {
@@ -137,13 +177,19 @@ PartResult JoinParts(const JoinRequest& request) {
     return Run(by_images, whole, std::move(united), mark);
   }
 
-  // First as far as it shows which parts hang together.
-  PartRequest posed = whole;
-  posed.until = "adjustment";
-  Run(request, posed, united, mark);
+  const WorldsFile file(request, folders);
   const fs::path others = whole.out / kWorldsFolder;
-  RemoveWorlds(others);
-  const auto worlds = WorldsIn(whole.out);
+  Worlds worlds = whole.from || whole.force ? Worlds() : file.Read();
+  if (worlds.empty()) {
+    // First as far as it shows which parts hang together.
+    PartRequest posed = whole;
+    posed.until = "adjustment";
+    Run(request, posed, united, mark);
+    file.Remove();
+    RemoveWorlds(others);
+    worlds = WorldsIn(whole.out);
+    if (worlds.size() > 1) file.Write(worlds);
+  }
   const PartRequest rest = AfterAdjustment(request, stages);
   if (worlds.size() < 2) return Run(request, rest, std::move(united), mark);
   JoinRequest largest = request;

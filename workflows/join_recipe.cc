@@ -78,11 +78,12 @@ StageGraph JoinRecipe(const Dataset& data, const DatasetContent& data_content,
       Reading(starts, o.features, o.corners, o.masks, o.matching, o.adjustment, o.odometry,
               o.dead_reckoning, o.filter, o.gates.mapping, o.gates.adjustment),
       dataset, content, features, odometry, matches, graph, aligned);
-  const auto gates =
+  const auto own_gates =
       g.AddCheck(AdjustedGates(),
                  Reading(o.gates.mapping, o.gates.poses, o.gates.adjustment, o.gates.calibration),
                  dataset, found, aligned, adjusted);
-  g.AddCheck(JoinGates(), Reading(), parts, adjusted);
+  const auto gates =
+      g.AddView(WithMoreGates, own_gates, g.AddCheck(JoinGates(), Reading(), parts, adjusted));
   auto final_part = adjusted;
   if (tie_to) {
     const auto open_fixes = [all = *tie_to] { return std::pair(KeyOf(all), all); };

@@ -162,6 +162,18 @@ TEST_F(TraverseTest, AnotherWorldIsJoinedByItself) {
                                   other.string()));
   EXPECT_EQ(ReadTum(out_ / "trajectory.tum").size(), 8U);
   EXPECT_EQ(ReadTum(other / "trajectory.tum").size(), 7U);
+  // The same again goes on from what is there, in both.
+  const ProgramEnd again = RunRigmap(
+      {"join", of("a"), of("b"), of("c"), of("d"), "--out", out_, "--until", "steps", "--quiet"});
+  EXPECT_EQ(again.exit_code, 3) << again.err;
+  EXPECT_THAT(again.err, HasSubstr("they are joined by themselves in " + other.string()));
+  for (const fs::path& world : {out_, other}) {
+    for (const json& stage : ReadJson(world / "summary.json")["stages"]) {
+      if (stage["name"] == "adjustment") {
+        EXPECT_EQ(stage["reused"], true) << world;
+      }
+    }
+  }
   // What was another world once is none where it is not asked for; what is not rigmap's stays.
   const fs::path notes = out_ / "worlds" / "notes.txt";
   WriteFileAtomically(notes, [](std::ostream& stream) { stream << "mine\n"; });

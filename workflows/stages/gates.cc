@@ -162,9 +162,7 @@ Report JudgeRegistered(const Dataset& dataset, const FeatureIndex& features,
   inputs.epipolar_px = features.epipolar_px;
   inputs.calibration_scale_sigma = part.calibration_scale_sigma;
   Report report = ReportPart(inputs, {mapping, poses, adjustment, calibration, {}, {}});
-  const Report more = ReportGates(JudgeRegistration(registration, of_registration));
-  for (const Report& gate : more.at("gates")) report["gates"].push_back(gate);
-  return report;
+  return WithMoreGates({}, report, ReportGates(JudgeRegistration(registration, of_registration)));
 }
 
 Report JudgeDeadReckoned(const Dataset& dataset, const FeatureIndex& features,
@@ -238,6 +236,12 @@ DepthGatesCheck DepthGates() {
           .code = CodeHere(),
           .make = JudgeDepths,
           .about = "whether dense depth agrees with the sparse points"};
+}
+
+Report WithMoreGates(const StageContext&, const Report& gates, const Report& more) {
+  Report all = gates;
+  for (const Report& gate : more.at("gates")) all["gates"].push_back(gate);
+  return all;
 }
 
 Warning WarningByGates(const StageContext&, const Report& gates, const Report& depth_gates) {

@@ -58,5 +58,7 @@ struct Warning {
 };
 // A view.
 Warning WarningByGates(const StageContext& context, const Report& gates, const Report& depth_gates);
+// A view: the first report with the gates of the second behind its own.
+Report WithMoreGates(const StageContext& context, const Report& gates, const Report& more);
 
 }  // namespace rigmap
