@@ -51,7 +51,7 @@ class FixFuser {
       : poses_(poses),
         fixes_(fixes),
         fusion_(fusion),
-        noise_(NoisePerStep(poses, fusion.scale_sigma)),
+        noise_(NoisePerStep(poses, fusion.step_covariances, fusion.scale_sigma)),
         used_(fixes.size(), 0) {
     for (const TimedPose& pose : poses) blocks_.push_back(ToBlock(pose.world_from_left));
     for (std::size_t i = 0; i < fixes.size(); ++i) {

@@ -18,6 +18,10 @@ struct AntennaFix {
   Eigen::Vector3d sigma_m = Eigen::Vector3d::Ones();
 };
 
+// Of the step to each pose, where anything is known of it: translation (m), rotation (rad). What
+// counts is how they compare.
+using StepCovariances = std::vector<std::optional<Matrix6d>>;
+
 struct FixFusion {
   Eigen::Vector3d antenna_in_left = Eigen::Vector3d::Zero();
   Rigid3 enu_from_world;  // where the search begins: its heading must be right to some degrees
@@ -25,7 +29,8 @@ struct FixFusion {
   double scale_sigma = 0.0;
   // Of what is left of the clock's offset; nothing: the path cannot tell it, and it is held.
   std::optional<double> clock_sigma_s;
-  double max_gap_s = 3.0;  // poses further apart have nothing between them
+  double max_gap_s = 3.0;                 // poses further apart have nothing between them
+  StepCovariances step_covariances = {};  // none: all steps alike
 };
 
 struct FusedFixes {
@@ -44,7 +49,8 @@ struct FusedFixes {
 
 // Steps keep the motion of the poses given. How far each may be off follows from what the poses
 // say of themselves: a random walk of headings and positions that grows to the sigmas of the least
-// known one that was measured, and the scale in common; those predicted are as loose as they say,
+// known one that was measured, most in the steps that are known least, and the scale in common;
+// those predicted are as loose as they say,
 // and no fix lies beside them. Heading, inclination, origin and scale are solved with all poses;
 // the first measured pose is held in its world, which only fixes tie to the Earth. Fixes pull under
 // Cauchy's loss first; those further off than four sigmas are then left out (Ceres, one thread:

@@ -43,20 +43,20 @@ TEST(NoisePerStep, WhatHeadingsExplainIsNoNoiseOfPositions) {
   }
   Trajectory poses = StraightWay();
   State(poses.back(), std::sqrt(squares_m2 / 3.0), kTurn * std::sqrt(kSteps));
-  const auto noise = NoisePerStep(poses, 0.0);
+  const auto noise = NoisePerStep(poses, {}, 0.0);
   EXPECT_NEAR(noise.back().radians, kTurn, 1e-9);
   // A fifth of the square may be chance, a tenth is none of the way's.
   const double all_m = std::sqrt(squares_m2 / (3.0 * kSteps));
   EXPECT_LT(noise.back().metres, 0.45 * all_m);
   // What is beyond that is.
   State(poses.back(), std::sqrt(4.0 * squares_m2 / 3.0), kTurn * std::sqrt(kSteps));
-  EXPECT_NEAR(NoisePerStep(poses, 0.0).back().metres, std::sqrt(3.0) * all_m, 0.2 * all_m);
+  EXPECT_NEAR(NoisePerStep(poses, {}, 0.0).back().metres, std::sqrt(3.0) * all_m, 0.2 * all_m);
 }
 
 TEST(NoisePerStep, IsOfMeasuredPosesWhateverIsGuessedBeforeThem) {
   Trajectory poses = StraightWay();
   State(poses.back(), 0.1, 1e-3);
-  const auto plain = NoisePerStep(poses, 0.0);
+  const auto plain = NoisePerStep(poses, {}, 0.0);
   EXPECT_GT(plain.back().metres, 10.0 * kFloor_m);
   constexpr int kGuessed = 4;
   Trajectory late(poses.begin(), poses.begin() + kGuessed);
@@ -66,7 +66,7 @@ TEST(NoisePerStep, IsOfMeasuredPosesWhateverIsGuessedBeforeThem) {
   }
   late.insert(late.end(), poses.begin(), poses.end());
   EXPECT_EQ(FirstMeasured(late), static_cast<std::size_t>(kGuessed));
-  const auto noise = NoisePerStep(late, 0.0);
+  const auto noise = NoisePerStep(late, {}, 0.0);
   EXPECT_DOUBLE_EQ(noise.back().metres, plain.back().metres);
   EXPECT_DOUBLE_EQ(noise.back().radians, plain.back().radians);
   EXPECT_DOUBLE_EQ(noise[kGuessed + 1].metres, plain[1].metres);
@@ -77,13 +77,38 @@ TEST(NoisePerStep, IsOfMeasuredPosesWhateverIsGuessedBeforeThem) {
 TEST(NoisePerStep, GuessesAtTheEndLoosenNothingElse) {
   Trajectory poses = StraightWay();
   State(poses.back(), 0.1, 1e-3);
-  const auto plain = NoisePerStep(poses, 0.0);
+  const auto plain = NoisePerStep(poses, {}, 0.0);
   poses.push_back(poses.back());
   poses.back().source = PoseSource::kPredicted;
   State(poses.back(), 2.0, 0.3);
-  const auto noise = NoisePerStep(poses, 0.0);
+  const auto noise = NoisePerStep(poses, {}, 0.0);
   EXPECT_DOUBLE_EQ(noise[1].metres, plain[1].metres);
   EXPECT_NEAR(noise.back().metres, std::sqrt(4.0 - 0.01), 1e-9);
+}
+
+// Two hundred good steps are none the looser for one that wheels bridged.
+TEST(NoisePerStep, OneLooseStepIsLooseByItself) {
+  constexpr int kLoose = 120;
+  Trajectory poses = StraightWay();
+  State(poses.back(), 0.15, 1e-3);
+  const auto covariance = [](double metres, double radians) {
+    Vector6d sigmas;
+    sigmas << Eigen::Vector3d::Constant(metres), Eigen::Vector3d::Constant(radians);
+    return Matrix6d(sigmas.cwiseAbs2().asDiagonal());
+  };
+  StepCovariances known(poses.size(), covariance(1e-3, 1e-5));
+  known[kLoose] = covariance(0.15, 1e-5);
+  known[7].reset();
+  const auto noise = NoisePerStep(poses, known, 0.0);
+  EXPECT_NEAR(noise[kLoose].metres, 0.15, 0.015);
+  EXPECT_LT(noise[kLoose + 1].metres, 2e-3);
+  EXPECT_LT(noise[7].metres, 2e-3);
+  // So it is behind a gap that was guessed, whose sigma all behind it has.
+  for (std::size_t i = kLoose; i < poses.size(); ++i) State(poses[i], 1.0, 1e-3);
+  poses[kLoose].source = PoseSource::kPredicted;
+  const auto guessed = NoisePerStep(poses, StepCovariances(), 0.0);
+  EXPECT_NEAR(guessed[kLoose].metres, 1.0, 1e-6);
+  EXPECT_LT(guessed[kLoose - 1].metres, 5e-3);
 }
 
 }  // namespace

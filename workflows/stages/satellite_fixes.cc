@@ -15,6 +15,7 @@
 #include "georeference/local_frame.h"
 #include "pipeline/code_identity.h"
 #include "pose_graph/fuse_fixes.h"
+#include "trajectory/adjusted_steps.h"
 #include "workflows/stages/fix_clocks.h"
 #include "workflows/stages/fix_stretches.h"
 
@@ -124,8 +125,19 @@ class FixTie {
   }
 
   FixFusion Fusion() const {
-    return {antenna_, EnuFromWorld(), ScaleSigma(), whole_.alignment->clock_offset_sigma_s,
-            options_.max_gap_s};
+    return {antenna_,           EnuFromWorld(),
+            ScaleSigma(),       whole_.alignment->clock_offset_sigma_s,
+            options_.max_gap_s, KnownSteps()};
+  }
+
+  // A step that wheels or a few points on the horizon bridge is not as good as the others.
+  StepCovariances KnownSteps() const {
+    StepCovariances known = AdjustedSteps(part_.odometry, part_.adjustment);
+    for (std::size_t i = 0; i < known.size(); ++i) {
+      const OdometryFrame& frame = part_.odometry[i];
+      if (!known[i] && frame.source == PoseSource::kOdometry) known[i] = frame.step_covariance;
+    }
+    return known;
   }
 
   // Horizontal distances of the judging fixes; nothing for those beside no pose.

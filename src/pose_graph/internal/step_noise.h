@@ -4,6 +4,7 @@
 
 #include <vector>
 
+#include "pose_graph/fuse_fixes.h"
 #include "scene/trajectory.h"
 
 namespace rigmap {
@@ -14,8 +15,10 @@ struct StepNoise {
 };
 
 // Of the step to each pose: a random walk that grows to the sigmas of the least known measured
-// pose. `scale_sigma` of the length is common to all steps and no part of it. A guess is known by
-// as much less as it says than what was measured before it.
-std::vector<StepNoise> NoisePerStep(const Trajectory& poses, double scale_sigma);
+// pose, in each step by the share that `known` says. `scale_sigma` of the length is common to all
+// steps and no part of it. A guess is known by as much less as it says than what was measured
+// before it, and what lies behind it owes it that.
+std::vector<StepNoise> NoisePerStep(const Trajectory& poses, const StepCovariances& known,
+                                    double scale_sigma);
 
 }  // namespace rigmap
