@@ -55,12 +55,12 @@ std::vector<SeenBlock> SeenUnder(const GroundBlocks& blocks, int column, int row
   return seen;
 }
 
-// Over two blocks, so that a step in the middle of one counts in full.
+// Over kBlocksOfStep blocks, so that a step in the middle of one counts in full.
 double StepHeight(const GroundBlocks& blocks, int column, int row, double radius_m) {
   double step_m = 0.0;
   ForEachUnder(blocks, radius_m, [&](int c, int r) {
     const float height_m = HeightAt(blocks, column + c, row + r);
-    for (int apart = 1; apart <= 2; ++apart) {
+    for (int apart = 1; apart <= kBlocksOfStep; ++apart) {
       for (const float other_m : {HeightAt(blocks, column + c + apart, row + r),
                                   HeightAt(blocks, column + c, row + r + apart)}) {
         step_m = std::fmax(step_m, std::abs(other_m - height_m));  // passes over NaN

@@ -27,6 +27,9 @@ struct GroundBlocks {
 GroundBlocks BlocksOf(const std::vector<float>& height_m, const std::vector<float>& sigma_m,
                       int columns, int side, double cell_m);
 
+// A step is looked for between blocks that are at most so many apart.
+inline constexpr int kBlocksOfStep = 2;
+
 struct FootprintLimits {
   double radius_m = 0.5;
   double max_slope_rad = 0.26;
@@ -36,7 +39,8 @@ struct FootprintLimits {
 struct FootprintGround {
   double slope_rad = 0.0;    // of the plane through the blocks
   double roughness_m = 0.0;  // standard deviation of the blocks about it, measuring included
-  // Largest rise between blocks at most two apart along row or column: of a smooth slope its own.
+  // Largest rise between a block under it and one at most kBlocksOfStep to the right or below: of a
+  // smooth slope its own.
   double step_height_m = 0.0;
   double steeper = 0.0;  // probability that the slope exceeds the limit
 };

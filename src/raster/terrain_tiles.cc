@@ -105,7 +105,7 @@ void WriteTerrain(MapFile& height, const PointCells& cells, int side, const Terr
   const CellFrame& frame = cells.frame();
   const CellFrame block_frame = BlockFrame(frame, side);
   FootprintLimits limits{0.5 * inputs.options.footprint_m, kRadians * inputs.options.max_slope_deg};
-  const int margin = static_cast<int>(limits.radius_m / block_frame.cell_m);
+  const int margin = static_cast<int>(limits.radius_m / block_frame.cell_m) + kBlocksOfStep;
   const int blocks_of_tile = BlocksOfTile(side);
   for (int row = 0; row < block_frame.rows; row += blocks_of_tile) {
     for (int column = 0; column < block_frame.columns; column += blocks_of_tile) {

@@ -9,6 +9,7 @@
 #include <fstream>
 #include <memory>
 #include <random>
+#include <set>
 
 #include "core/error.h"
 #include "tests/raster/synthetic_map.h"
@@ -280,6 +281,27 @@ TEST_F(Rasters, TerrainKnowsTheHeightOfABox) {
   Write(MapCloud(kCell));
   const auto steps = Band(*Terrain(), 3);
   EXPECT_NEAR(*std::ranges::max_element(steps), 0.4, 0.02);  // m
+}
+
+// Wherever a wall stands beside the borders of the tiles that are worked on one by one.
+TEST_F(Rasters, TerrainKnowsAWallFromAsFarEverywhere) {
+  constexpr double kBlock_m = 2 * kCell;
+  std::set<long> columns_before;
+  for (int blocks = 20; blocks < 80; ++blocks) {
+    const double wall_m = -1.0 + blocks * kBlock_m;
+    PointCloud cloud = MapCloud(kCell);
+    for (SurfacePoint& point : cloud) {
+      point.x_in_world.z() = point.x_in_world.x() > wall_m ? 0.3F : 0.0F;
+    }
+    Write(cloud);
+    const auto terrain = Terrain();
+    const auto steps = Band(*terrain, 3);
+    const int columns = terrain->GetRasterXSize();
+    const auto row = steps.begin() + columns * (terrain->GetRasterYSize() / 2);
+    columns_before.insert(
+        std::count_if(row, row + blocks, [](float step_m) { return step_m > 0.2F; }));
+  }
+  EXPECT_EQ(columns_before, std::set<long>{7});  // five of the radius, two that a step is wide
 }
 
 TEST_F(Rasters, HoldSigmaCountAndViewAngle) {
