@@ -1,6 +1,7 @@
 #include "core/file_hashes.h"
 
 #include <fmt/format.h>
+#include <sys/stat.h>
 
 #include <cereal/types/map.hpp>
 
@@ -11,7 +12,7 @@ namespace rigmap {
 namespace {
 
 namespace fs = std::filesystem;
-constexpr const char* kKey = "file hashes";
+constexpr const char* kKey = "file hashes, inodes";
 
 std::string NameOf(const fs::path& path) {
   return (path.parent_path().filename() / path.filename()).string();
@@ -26,19 +27,19 @@ FileHashes::FileHashes(const fs::path& remembered) {
 }
 
 std::string FileHashes::Hash(const fs::path& path) {
-  std::error_code size_code, time_code;
-  Entry entry;
-  entry.bytes = fs::file_size(path, size_code);
-  entry.modified_ns = fs::last_write_time(path, time_code).time_since_epoch().count();
-  if (size_code || time_code) {
+  struct stat status = {};
+  if (stat(path.c_str(), &status) != 0 || !S_ISREG(status.st_mode)) {
     throw DataError(fmt::format("{}: expected a file, found none", path.string()));
   }
+  Entry entry;
+  entry.bytes = static_cast<std::uintmax_t>(status.st_size);
+  entry.modified_ns = 1'000'000'000LL * status.st_mtim.tv_sec + status.st_mtim.tv_nsec;
+  entry.inode = status.st_ino;
   const std::string name = NameOf(path);
   {
     const std::lock_guard lock(mutex_);
     const auto known = known_.find(name);
-    if (known != known_.end() && known->second.bytes == entry.bytes &&
-        known->second.modified_ns == entry.modified_ns) {
+    if (known != known_.end() && known->second.IsSameFile(entry)) {
       asked_[name] = known->second;
       return known->second.hash;
     }

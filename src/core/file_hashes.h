@@ -1,5 +1,5 @@
-// Hashes of files' contents that are remembered, so that a file is read again only if its size or
-// time has changed.
+// Hashes of files' contents that are remembered, so that a file is read again only if its size, its
+// time or its inode has changed.
 #pragma once
 
 #include <cstdint>
@@ -10,8 +10,9 @@
 
 namespace rigmap {
 
-// Files are remembered by their own and their folder's name, so that a data set that was moved, its
-// times kept, need not be read again. Hash may be called from several threads.
+// Files are remembered by their own and their folder's name, so that a data set that was moved need
+// not be read again. Their inodes tell two data sets apart whose images have equal names, sizes and
+// times, as unpacked raw ones may have. Hash may be called from several threads.
 class FileHashes {
  public:
   FileHashes() = default;
@@ -27,11 +28,15 @@ class FileHashes {
   struct Entry {
     std::uintmax_t bytes = 0;
     std::int64_t modified_ns = 0;
+    std::uint64_t inode = 0;
     std::string hash;
 
     template <class Archive>
     void serialize(Archive& archive) {
-      archive(bytes, modified_ns, hash);
+      archive(bytes, modified_ns, inode, hash);
+    }
+    bool IsSameFile(const Entry& other) const {
+      return bytes == other.bytes && modified_ns == other.modified_ns && inode == other.inode;
     }
   };
   mutable std::mutex mutex_;

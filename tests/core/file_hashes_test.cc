@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 
 #include <chrono>
+#include <fstream>
 
 #include "core/artefact.h"
 #include "core/error.h"
@@ -17,10 +18,10 @@ namespace fs = std::filesystem;
 class FileHashesTest : public testing::Test {
  protected:
   FileHashesTest() { WriteTestFile(file_, "first"); }
-  // Other bytes, but size and time as they were.
+  // Other bytes, but inode, size and time as they were.
   void SwapContent() {
     const auto time = fs::last_write_time(file_);
-    WriteTestFile(file_, "other");
+    std::ofstream(file_) << "other";
     fs::last_write_time(file_, time);
   }
 
@@ -57,6 +58,23 @@ TEST_F(FileHashesTest, KnowAFileThatMovedWithItsFolder) {
   file_ = folder_.Path() / "b" / "left" / "1.png";
   SwapContent();
   EXPECT_EQ(FileHashes(memory_).Hash(file_), hash);
+}
+
+// As raw images of one size are, once they were unpacked with the times of the archive.
+TEST_F(FileHashesTest, TellDataSetsApartWhoseImagesHaveEqualNamesSizesAndTimes) {
+  const fs::path one = folder_.Path() / "one" / "left" / "1.pgm";
+  const fs::path two = folder_.Path() / "two" / "left" / "1.pgm";
+  for (const fs::path& path : {one, two}) {
+    fs::create_directories(path.parent_path());
+    WriteTestFile(path, path == one ? "first" : "other");
+    fs::last_write_time(path, fs::last_write_time(file_));
+  }
+  FileHashes first;
+  first.Hash(one);
+  first.Save(memory_);
+  FileHashes second(memory_);
+  EXPECT_EQ(second.Hash(two), HashFile(two));
+  EXPECT_EQ(second.Hash(one), HashFile(one));
 }
 
 TEST_F(FileHashesTest, ForgetWhatWasNotAskedForAgain) {
