@@ -34,6 +34,7 @@ struct Row {
 };
 
 std::optional<Coordinates> CoordinatesOf(double first, double second, const UtmZone& zone) {
+  if (first == 0.0 && second == 0.0) return std::nullopt;  // a receiver that has no position yet
   if (std::abs(first) <= 90.0 && std::abs(second) <= 180.0) return Coordinates::kLatitudeFirst;
   const auto columns = GridColumnsOf(first, second, zone);
   if (!columns) return std::nullopt;

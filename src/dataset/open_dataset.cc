@@ -97,7 +97,8 @@ struct Opened {
 // tells the place.
 UtmZone ZoneOf(const std::vector<GnssFix>& fixes) {
   if (fixes.empty()) return {};
-  const GnssFix& fix = fixes.front();
+  const auto good = std::ranges::find(fixes, std::string_view(kRtkFixed), &GnssFix::status);
+  const GnssFix& fix = good != fixes.end() ? *good : fixes.front();
   const Geodetic position{fix.latitude_deg, fix.longitude_deg, fix.altitude_m};
   return HasUtmZone(position) ? UtmZoneOf(position) : UtmZone{};
 }
@@ -105,15 +106,20 @@ UtmZone ZoneOf(const std::vector<GnssFix>& fixes) {
 // Fixes and surveyed rocks are for judging a result: it can be made without them.
 void ReadSurvey(const KatwijkPart& part, Dataset& dataset) {
   auto& remarks = dataset.health.remarks;
-  try {
+  const auto try_to = [&](const auto& read) {
+    try {
+      read();
+    } catch (const DataError& error) {
+      remarks.push_back(fmt::format("{}; the result is not compared with it", error.what()));
+    }
+  };
+  try_to([&] {
     if (auto reading = ReadGnss(part.folder)) {
       dataset.fixes = std::move(reading->fixes);
       remarks.insert(remarks.end(), reading->remarks.begin(), reading->remarks.end());
     }
-    dataset.surveyed_landmarks = ReadRockSurvey(part, ZoneOf(dataset.fixes));
-  } catch (const DataError& error) {
-    remarks.push_back(fmt::format("{}; the result is not compared with it", error.what()));
-  }
+  });
+  try_to([&] { dataset.surveyed_landmarks = ReadRockSurvey(part, ZoneOf(dataset.fixes)); });
 }
 
 Opened OpenKatwijk(const DatasetRequest& request, const fs::path& folder) {
@@ -199,17 +205,23 @@ void CheckSize(const std::string& path, const Camera& camera, const std::string&
   }
 }
 
-// False if one of the frame's images cannot be read.
-bool CheckFrame(const StereoFrame& frame, const StereoRig& rig) {
+// False if it cannot be read.
+bool CheckImage(const std::string& path, Eye eye, const StereoRig& rig) {
   try {
-    for (const Eye eye : kEyes) CheckSize(frame.PathOf(eye), rig.Of(eye).camera, rig.source);
+    CheckSize(path, rig.Of(eye).camera, rig.source);
     return true;
   } catch (const UnreadableImage&) {
     return false;
   }
 }
 
-// Of the masks and all pairs that can be read; there must be one. Images of another size are
+// False if one of the frame's images cannot be read.
+bool CheckFrame(const StereoFrame& frame, const StereoRig& rig) {
+  const bool is_left_readable = CheckImage(frame.left_path, Eye::kLeft, rig);
+  return CheckImage(frame.right_path, Eye::kRight, rig) && is_left_readable;
+}
+
+// Of the masks and all images that can be read; there must be a pair. Images of another size are
 // another camera's: better said before the first hour than after it.
 void CheckSizes(const Dataset& dataset) {
   const StereoRig& rig = dataset.rig;
@@ -217,6 +229,7 @@ void CheckSizes(const Dataset& dataset) {
     const std::string& mask_path = rig.Of(eye).mask_path;
     if (!mask_path.empty()) CheckSize(mask_path, rig.Of(eye).camera, rig.source);
   }
+  for (const LoneImage& image : dataset.lone_images) CheckImage(image.path, image.eye, rig);
   const auto& frames = dataset.frames;
   const auto readable = std::count_if(frames.begin(), frames.end(), [&](const StereoFrame& frame) {
     return CheckFrame(frame, rig);

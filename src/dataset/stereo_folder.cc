@@ -89,29 +89,42 @@ void RemarkOnNames(const std::vector<StereoFrame>& frames, DatasetHealth& health
                   count, frames.size(), first->left_path, first->right_path));
 }
 
-// The last number in a name, and what stands around it.
+// A name cut into its numbers and what stands around them: one more text than numbers.
 struct NumberedName {
-  std::string before, digits, behind;
+  std::vector<std::string> texts, numbers;
 };
 
-NumberedName NumberIn(const fs::path& path) {
-  const std::string stem = path.stem().string();
-  constexpr const char* kDigits = "0123456789";
-  const std::size_t last = stem.find_last_of(kDigits);
-  if (last == std::string::npos) return {stem, "", ""};
-  const std::size_t before = stem.find_last_not_of(kDigits, last);
-  const std::size_t first = before == std::string::npos ? 0 : before + 1;
-  return {stem.substr(0, first), stem.substr(first, last + 1 - first), stem.substr(last + 1)};
+NumberedName NumbersIn(const fs::path& path) {
+  NumberedName name{{""}, {}};
+  bool in_number = false;
+  for (const char letter : path.stem().string()) {
+    const bool is_digit = std::isdigit(static_cast<unsigned char>(letter)) != 0;
+    if (is_digit && !in_number) name.numbers.emplace_back();
+    if (!is_digit && in_number) name.texts.emplace_back();
+    (is_digit ? name.numbers : name.texts).back() += letter;
+    in_number = is_digit;
+  }
+  if (in_number) name.texts.emplace_back();
+  return name;
+}
+
+// Of names that differ in their numbers alone and come in this order when they are sorted as text.
+bool AreInOrder(const NumberedName& earlier, const NumberedName& later) {
+  if (earlier.texts != later.texts) return true;
+  for (std::size_t i = 0; i < later.numbers.size(); ++i) {
+    const std::string &before = earlier.numbers[i], &behind = later.numbers[i];
+    if (before == behind) continue;
+    if (i > 0 && later.texts[i] == ".") return true;  // decimals, which text sorts as they are
+    // Of numbers without leading zeros the one with fewer digits is smaller.
+    return behind.size() >= before.size() || behind.front() == '0';
+  }
+  return true;
 }
 
 // Times are laid on images in the order of their names: 10 before 2 would mix them up.
 void RequireOrderOfNumbers(const std::vector<fs::path>& images) {
   for (std::size_t i = 1; i < images.size(); ++i) {
-    const NumberedName earlier = NumberIn(images[i - 1]), later = NumberIn(images[i]);
-    if (earlier.before != later.before || earlier.behind != later.behind) continue;
-    // Of numbers without leading zeros the one with fewer digits is smaller.
-    if (later.digits.empty() || later.digits.size() >= earlier.digits.size()) continue;
-    if (later.digits.front() == '0') continue;
+    if (AreInOrder(NumbersIn(images[i - 1]), NumbersIn(images[i]))) continue;
     throw DataError(fmt::format(
         "{}: expected names that come in the order of their numbers when they are sorted as text, "
         "found it behind {}; pad the numbers with zeros",

@@ -1,7 +1,7 @@
 #include "dataset/internal/gnss_file.h"
 
 #include <fmt/format.h>
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 
 #include <cstdlib>
 #include <tuple>
@@ -80,6 +80,7 @@ TEST(GnssFile, LeavesOutBadRowsAndSaysWhich) {
         "2015_11_26_12_53_39 RTK_FIXED 52.2 4.4 6.2 0.005 0.004 0.009",
         "2015_11_26_12_53_39_5 RTK_FIXED 52.2 nan 6.2 0.005 0.004 0.009",
         "2015_11_26_12_53_39_5 RTK_FIXED 52.2 4.4 6.2 0.005 -0.004 0.009",
+        "2015_11_26_12_53_39_5 NO_FIX 0.0 0.0 0.0 0.005 0.004 0.009",
         "2015_11_26_12_53_39_5 RTK_FIXED 595000 595001 6.2 0.005 0.004 0.009",
         "2015_11_26_12_53_39_5 RTK_FIXED 595000 5785000 6.2 0.005 0.004 0.009"}) {
     const GnssReading reading = ReadGnssFile(folder.Write("gps.txt", good + good + bad + "\n"));
@@ -89,6 +90,19 @@ TEST(GnssFile, LeavesOutBadRowsAndSaysWhich) {
     EXPECT_NE(reading.remarks[0].find(bad), std::string::npos);
     EXPECT_NE(reading.remarks[0].find("1 of 3 rows"), std::string::npos);
   }
+}
+
+TEST(GnssFile, RowsWithoutAPositionSayNothingOfTheColumns) {
+  const TemporaryFolder folder;
+  std::string rows;
+  for (int second = 10; second < 16; ++second) {
+    rows += "2015_11_26_12_53_" + std::to_string(second) + "_5 NO_FIX 0.0 0.0 0.0 0 0 0\n";
+  }
+  rows += "2015_11_26_12_53_39_5 RTK_FIXED 595000 5785000 6.2 0.005 0.004 0.009\n";
+  const GnssReading reading = ReadGnssFile(folder.Write("gps-utm31.txt", rows));
+  ASSERT_EQ(reading.fixes.size(), 1U);
+  EXPECT_NEAR(reading.fixes[0].latitude_deg, 52.2, 0.1);
+  EXPECT_THAT(reading.remarks, testing::ElementsAre(testing::HasSubstr("6 of 7 rows left out")));
 }
 
 TEST(GnssFile, RefusesAFileWithoutAnyFix) {

@@ -144,6 +144,20 @@ TEST_F(OpenKatwijkTest, SizeIsThatOfEachPairThatCanBeRead) {
   }
 }
 
+// An unreadable image hides no other of the wrong size, nor does a missing one.
+TEST_F(OpenKatwijkTest, SizeIsThatOfTheImageBesideAnUnreadableOne) {
+  folder_.Write("root/rig.yaml", SampleRigText());
+  const std::string stem = "root/Traverse3/Part1/LocCam/LocCam_2015_11_26_15_23_36_40_";
+  folder_.Write(stem + "0.png", "text");
+  const auto right = folder_.Path() / (stem + "1.png");
+  WriteImage(right, 16, 24);
+  EXPECT_THAT(MessageOf<DataError>([&] { Open(root_); }),
+              HasSubstr("36_40_1.png: expected 32 x 24"));
+  std::filesystem::remove(folder_.Path() / (stem + "0.png"));
+  EXPECT_THAT(MessageOf<DataError>([&] { Open(root_); }),
+              HasSubstr("36_40_1.png: expected 32 x 24"));
+}
+
 TEST_F(OpenKatwijkTest, OnePairMustBeReadable) {
   folder_.Write("root/rig.yaml", SampleRigText());
   for (const char* name : {"36_5_1", "36_40_0", "36_300_1", "36_1000_0"}) {

@@ -146,6 +146,24 @@ TEST_F(StereoFolderTest, NumbersWithoutZerosBeforeThemAreRefused) {
                                  HasSubstr("found it behind 11.png; pad the numbers")));
 }
 
+// The number that orders them need not be the last, and decimals are not whole numbers.
+TEST_F(StereoFolderTest, EveryNumberInANameCounts) {
+  const auto name_all = [&](const std::vector<std::string>& names) {
+    for (const char* eye : {"left", "right"}) {
+      std::filesystem::remove_all(folder_.Path() / eye);
+      for (const std::string& name : names) WriteImage(folder_.Path() / eye / name);
+    }
+  };
+  name_all({"9_0.png", "10_0.png", "11_0.png"});
+  EXPECT_THAT(Complaint(), HasSubstr("left/9_0.png: expected names"));
+  name_all({"9.95.png", "10.05.png", "10.1.png"});
+  EXPECT_THAT(Complaint(), HasSubstr("left/9.95.png: expected names"));
+  name_all({"12.05.png", "12.1.png", "12.15.png"});
+  EXPECT_EQ(Read().frames.size(), 3U);
+  name_all({"a1_09.png", "a1_10.png", "b1_2.png"});
+  EXPECT_EQ(Read().frames.size(), 3U);
+}
+
 TEST_F(StereoFolderTest, NamesMayDifferInLetters) {
   for (const char* name : {"000.png", "001.png", "002.png"}) {
     std::filesystem::rename(folder_.Path() / "right" / name,
