@@ -121,7 +121,9 @@ Json Charts(const PartContent& content) {
   };
   charts.push_back(Chart("height", distance, kDistance, "height, m",
                          {Series("height of the left camera", Values(trajectory, height))}));
-  if (std::ranges::any_of(trajectory, [](const auto& pose) { return !pose.sigmas.isZero(); })) {
+  if (std::ranges::any_of(trajectory, [](const auto& pose) {
+        return pose.sigmas.allFinite() && !pose.sigmas.isZero();
+      })) {
     charts.push_back(
         Chart("sigmas", distance, kDistance, "sigma of the position, mm", SigmaSeries(trajectory)));
   }

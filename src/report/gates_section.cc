@@ -16,17 +16,28 @@ const char* StatusWords(const std::string& status) {
                                  : "not judged";
 }
 
-// What a gate judges, without the unit that its name ends with.
+// What a gate judges, without the unit that its name ends with; empty for a name without one.
 std::string ThingOf(const Json& gate) {
   const std::string name = TextAt(gate, "/name");
-  return name.substr(0, name.rfind('_'));
+  for (const std::string unit : {"_deg", "_pct", "_px", "_sigmas"}) {
+    if (name.ends_with(unit)) return name.substr(0, name.size() - unit.size());
+  }
+  return "";
 }
 
-// Beyond its limit, but one of two checks of one thing.
-bool IsPassedByTwin(const Json& gate, const Json& gates) {
+bool IsBeyondLimit(const Json& gate) {
   const Json &value = At(gate, "/value"), &limit = At(gate, "/limit");
-  return value.is_number() && limit.is_number() && value > limit &&
-         std::ranges::count(gates, ThingOf(gate), ThingOf) > 1;
+  return value.is_number() && limit.is_number() && value > limit;
+}
+
+// Beyond its limit, but one of two checks of one thing, of which the other holds.
+bool IsPassedByTwin(const Json& gate, const Json& gates) {
+  const std::string thing = ThingOf(gate);
+  return !thing.empty() && IsBeyondLimit(gate) &&
+         std::ranges::any_of(gates, [&](const Json& other) {
+           return ThingOf(other) == thing && At(other, "/value").is_number() &&
+                  !IsBeyondLimit(other);
+         });
 }
 
 }  // namespace

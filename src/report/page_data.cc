@@ -14,8 +14,11 @@ Json DescribePoses(const Trajectory& trajectory) {
       return ToTenthOfMillimetre(pose.world_from_left.translation[i]);
     });
   };
+  const auto known = [](double value) {  // null where nothing is known, as COLMAP says of its poses
+    return std::isfinite(value) ? Json(Rounded5(value)) : Json(nullptr);
+  };
   const auto sigma = [&](int i) {
-    return Values(trajectory, [i](const TimedPose& pose) { return Rounded5(pose.sigmas[i]); });
+    return Values(trajectory, [&, i](const TimedPose& pose) { return known(pose.sigmas[i]); });
   };
   Json rotations = Json::array();
   for (const TimedPose& pose : trajectory) {
@@ -23,8 +26,8 @@ Json DescribePoses(const Trajectory& trajectory) {
       rotations.push_back(Rounded5(number));
     }
   }
-  const auto turn = [](const TimedPose& pose) {
-    return Rounded5(pose.sigmas.tail<3>().maxCoeff());
+  const auto turn = [&](const TimedPose& pose) {
+    return known(pose.sigmas.allFinite() ? pose.sigmas.tail<3>().maxCoeff() : NAN);
   };
   return {{"t", Values(trajectory,
                        [&](const TimedPose& pose) {

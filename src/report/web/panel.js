@@ -114,14 +114,15 @@ export function makePanel(section, view) {
     showCamera(index) {
       const { poses } = view.data;
       const thumbnail = document.querySelector(`img[data-frame="${index}"]`);
-      const sigma = Math.max(poses.sx[index], poses.sy[index], poses.sz[index]);
+      const sigma = Math.max(...[poses.sx, poses.sy, poses.sz].map((of) => of[index] ?? NaN));
+      const known = Number.isFinite(sigma) ? `sigma up to ${sigmaText(sigma)}` : 'sigma unknown';
       const close = element('button', { type: 'button', textContent: '\u00d7', ariaLabel: 'Close' });
       close.addEventListener('click', () => { card.hidden = true; });
       card.replaceChildren(close);
       if (thumbnail) card.append(element('img', { src: thumbnail.src, alt: thumbnail.alt }));
       card.append(element('figcaption', {
         textContent: `Frame ${index}, ${poses.t[index].toFixed(1)} s, ${poses.source[index]}, ` +
-          `sigma up to ${sigmaText(sigma)}${thumbnail ? '' : ' (this page holds no image of it)'}`,
+          `${known}${thumbnail ? '' : ' (this page holds no image of it)'}`,
       }));
       card.hidden = false;
     },

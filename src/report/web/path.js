@@ -21,6 +21,8 @@ export function shifted(data, origin) {
     x: data.poses.x.map((v) => v - origin[0]),
     y: data.poses.y.map((v) => v - origin[1]),
     z: data.poses.z.map((v) => v - origin[2]),
+    // null where nothing is known, which is not zero
+    ...Object.fromEntries(['sx', 'sy', 'sz', 'sr'].map((name) => [name, data.poses[name].map((v) => v ?? NaN)])),
   };
   const shift = (p) => [p[0] - origin[0], p[1] - origin[1], p[2] - origin[2]];
   return {
