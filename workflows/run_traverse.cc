@@ -133,12 +133,12 @@ void RequireSameTraverse(const fs::path& out, const nlohmann::ordered_json& plan
   if (!earlier.is_object() || !earlier.contains("parts")) return;
   const auto is_in = [](const nlohmann::ordered_json& parts, const nlohmann::ordered_json& part) {
     return std::ranges::any_of(parts, [&](const nlohmann::ordered_json& other) {
-      return other.value("first_s", 0.0) == part.value("first_s", 0.0) &&
-             other.value("last_s", 0.0) == part.value("last_s", 0.0);
+      return other.contains("first_s") && other["first_s"] == part["first_s"] &&
+             other["last_s"] == part["last_s"];
     });
   };
   for (const auto& part : plan.at("parts")) {
-    if (is_in(earlier.at("parts"), part)) return;
+    if (part.contains("first_s") && is_in(earlier.at("parts"), part)) return;  // else no use
   }
   throw DataError(fmt::format(
       "{}: holds a run of other data ({}) than those asked for ({}); choose another folder, or "

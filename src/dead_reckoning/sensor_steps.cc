@@ -85,6 +85,7 @@ bool WheelWay::StandsStill(StampNs begin_ns, StampNs end_ns) const {
   auto first = std::ranges::lower_bound(stamps_ns_, begin_ns);
   if (first != stamps_ns_.begin() && *first > begin_ns) --first;
   for (auto stamp = first; stamp != stamps_ns_.end(); ++stamp) {
+    if (stamp != first && *stamp - *std::prev(stamp) > max_gap_ns_) return false;
     if (moves_[static_cast<std::size_t>(stamp - stamps_ns_.begin())]) return false;
     if (*stamp >= end_ns) break;
   }

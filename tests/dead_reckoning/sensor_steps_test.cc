@@ -91,6 +91,13 @@ TEST_F(SensorStepsTest, StandsStillUntilAWheelTurns) {
   EXPECT_TRUE(way_.StandsStill(first_ns - 3 * kSecondNs, first_ns - kSecondNs));
   EXPECT_FALSE(way_.StandsStill(first_ns - 3 * kSecondNs, first_ns + kSecondNs));
   EXPECT_FALSE(way_.StandsStill(first_ns - 100 * kSecondNs, first_ns)) << "nothing is known";
+  auto wheels = rover_.dataset.wheels;
+  std::erase_if(wheels.samples, [&](const WheelSample& sample) {
+    return sample.stamp_ns > first_ns - 2.8 * kSecondNs &&
+           sample.stamp_ns < first_ns - 1.2 * kSecondNs;
+  });
+  const WheelWay torn(wheels, rover_.dataset.rig, WithoutSlip());
+  EXPECT_FALSE(torn.StandsStill(first_ns - 3 * kSecondNs, first_ns - kSecondNs)) << "a gap";
 }
 
 TEST(FindGap, TellsTheFirstThatIsTooLong) {

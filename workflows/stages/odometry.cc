@@ -22,6 +22,11 @@ Odometry MakeOdometry(const StageContext&, const Dataset& dataset, const Feature
   return TrackAll(dataset, features, options, MatchBy::kDescriptors);
 }
 
+// Whatever folder the data lay in when it was looked at.
+bool IsSameImage(const std::filesystem::path& a, const std::filesystem::path& b) {
+  return a.filename() == b.filename() && a.parent_path().filename() == b.parent_path().filename();
+}
+
 // Lone images of stretches, read when they are asked for.
 class LoneViews {
  public:
@@ -39,7 +44,7 @@ class LoneViews {
       if (frame.stamp_ns <= after || frame.stamp_ns >= before) continue;
       const auto unreadable = features_.Get(static_cast<int>(i)).unreadable_images;
       if (unreadable.size() != 1) continue;
-      const Eye eye = unreadable.front() == frame.left_path ? Eye::kRight : Eye::kLeft;
+      const Eye eye = IsSameImage(unreadable.front(), frame.left_path) ? Eye::kRight : Eye::kLeft;
       images.push_back({frame.stamp_ns, eye, frame.PathOf(eye)});
     }
     std::ranges::sort(images, {}, &LoneImage::stamp_ns);

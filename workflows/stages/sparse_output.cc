@@ -25,20 +25,22 @@ std::array<std::uint8_t, 3> ColourAt(const cv::Mat& image, const Eigen::Vector2d
   return {bgr[2], bgr[1], bgr[0]};
 }
 
-// Colours the points by their first observation, which is a left one.
+// Colours the points by their first observation, a left one if there is any.
 void Colour(const Dataset& dataset, const Adjustment& adjustment, SparseModel& model) {
-  std::map<int, std::vector<std::size_t>> by_frame;
+  using Image = std::pair<int, Eye>;
+  std::map<Image, std::vector<std::size_t>> by_image;
   for (std::size_t i = 0; i < adjustment.points.size(); ++i) {
-    by_frame[adjustment.points[i].observations.front().frame].push_back(i);
+    const auto& first = adjustment.points[i].observations.front();
+    by_image[{first.frame, first.eye}].push_back(i);
   }
-  const std::vector<std::pair<int, std::vector<std::size_t>>> frames(by_frame.begin(),
-                                                                     by_frame.end());
-  tbb::parallel_for(std::size_t{0}, frames.size(), [&](std::size_t f) {
-    const Eye eye = adjustment.points[frames[f].second.front()].observations.front().eye;
-    const StereoFrame& frame = dataset.frames[frames[f].first];
+  const std::vector<std::pair<Image, std::vector<std::size_t>>> images(by_image.begin(),
+                                                                       by_image.end());
+  tbb::parallel_for(std::size_t{0}, images.size(), [&](std::size_t f) {
+    const auto [index, eye] = images[f].first;
+    const StereoFrame& frame = dataset.frames[index];
     const cv::Mat image =
         ReadColour(frame.PathOf(eye), dataset.rig.Of(eye).camera, frame.sample_bits);
-    for (const std::size_t i : frames[f].second) {
+    for (const std::size_t i : images[f].second) {
       model.points[i].rgb = ColourAt(image, adjustment.points[i].observations.front().pixel);
     }
   });
