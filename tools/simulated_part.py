@@ -89,9 +89,9 @@ MAX_STATED = 2.0  # times the stated 95 %
 
 def is_right(scale_pct, ate_pct, scale_95_pct, position_95_pct):
     """Whether errors are within the accuracy asked for and twice what was stated. What is not a
-    number is not: neither comparison holds."""
-    return (abs(scale_pct) <= min(ACCURACY_PCT, MAX_STATED * scale_95_pct) and
-            ate_pct <= min(ACCURACY_PCT, MAX_STATED * position_95_pct))
+    number is not: no comparison holds."""
+    return (abs(scale_pct) <= ACCURACY_PCT and abs(scale_pct) <= MAX_STATED * scale_95_pct and
+            ate_pct <= ACCURACY_PCT and ate_pct <= MAX_STATED * position_95_pct)
 
 
 def truth_of(folder):
