@@ -122,9 +122,6 @@ nlohmann::ordered_json BandJson(const BandMetrics& band) {
   json["accuracy_median_mm"] = Rounded(1000.0 * band.accuracy_median_m, 2);
   json["accuracy_p90_mm"] = Rounded(1000.0 * band.accuracy_p90_m, 2);
   json["stray_over_20cm_pct"] = Rounded(100.0 * band.stray_share, 3);
-  for (std::size_t n = 0; band.within_sigmas && n < band.within_sigmas->size(); ++n) {
-    json[fmt::format("within_{}_sigma_pct", n + 1)] = Rounded(100.0 * (*band.within_sigmas)[n], 2);
-  }
   for (std::size_t k = 0; k < kMapTolerances_m.size(); ++k) {
     const MapShares& shares = band.at_tolerance[k];
     const std::string at = fmt::format("_{:.0f}cm", 100.0 * kMapTolerances_m[k]);
@@ -171,6 +168,19 @@ nlohmann::ordered_json ToJson(const MapMetrics& metrics) {
   for (std::size_t b = 0; b < metrics.judged; ++b) {
     auto& band = json[fmt::format("within_{}m", kMapBands_m[b])];
     if (metrics.bands[b]) band = BandJson(*metrics.bands[b]);
+  }
+  return json;
+}
+
+nlohmann::ordered_json SigmasToJson(const MapMetrics& metrics) {
+  nlohmann::ordered_json json;
+  for (std::size_t b = 0; b < metrics.judged; ++b) {
+    if (!metrics.bands[b] || !metrics.bands[b]->within_sigmas) continue;
+    auto& band = json[fmt::format("within_{}m", kMapBands_m[b])];
+    const auto& shares = *metrics.bands[b]->within_sigmas;
+    for (std::size_t n = 0; n < shares.size(); ++n) {
+      band[fmt::format("within_{}_sigma_pct", n + 1)] = Rounded(100.0 * shares[n], 2);
+    }
   }
   return json;
 }

@@ -50,8 +50,10 @@ MapMetrics CompareMap(const MapOverTruth& map);
 
 // The keys of evaluation.json, rounded as printed: map_points, truth_points, visible_points and for
 // each band that is judged within_<metres>m: null or points, accuracy_median_mm,
-// accuracy_p90_mm, stray_over_20cm_pct, within_<n>_sigma_pct of a map that states them and, for
-// each tolerance, precision_<n>cm, completeness_<n>cm, f_<n>cm.
+// accuracy_p90_mm, stray_over_20cm_pct and, for each tolerance, precision_<n>cm,
+// completeness_<n>cm, f_<n>cm.
 nlohmann::ordered_json ToJson(const MapMetrics& metrics);
+// For each band that is judged within_<n>_sigma_pct; null for a map that states no sigmas.
+nlohmann::ordered_json SigmasToJson(const MapMetrics& metrics);
 
 }  // namespace rigmap

@@ -59,6 +59,7 @@ constexpr std::array kKnownKeys{
     KnownKey{"rocks", "Rocks"},
     KnownKey{"rtk", "RTK fixes"},
     KnownKey{"map", "The map over the true surface"},
+    KnownKey{"map_sigmas", "How the map's sigmas hold"},
     KnownKey{"each", "Rock by rock"},
     KnownKey{"segments", "By length of the stretch"},
     KnownKey{"accuracy_median", "Median distance of the map from the surface"},

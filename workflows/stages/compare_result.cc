@@ -95,7 +95,10 @@ nlohmann::ordered_json CompareWithTruth(const std::vector<TumPose>& estimate,
   const auto truth_from_world = AlignWithTruth(estimate, truth->path, options);
   if (!truth_from_world) return json;  // which the trajectory's `error` says
   const MapOverTruth map(ReadMapPoints(map_ply), *truth_from_world, *truth, ReadMapSigmas(map_ply));
-  json["map"] = ToJson(CompareMap(map));
+  const MapMetrics metrics = CompareMap(map);
+  json["map"] = ToJson(metrics);
+  if (auto sigmas = SigmasToJson(metrics); !sigmas.is_null())
+    json["map_sigmas"] = std::move(sigmas);
   json["rocks"] = ToJson(CompareRocks(map));
   return json;
 }
