@@ -215,12 +215,6 @@ bool CheckImage(const std::string& path, Eye eye, const StereoRig& rig) {
   }
 }
 
-// False if one of the frame's images cannot be read.
-bool CheckFrame(const StereoFrame& frame, const StereoRig& rig) {
-  const bool is_left_readable = CheckImage(frame.left_path, Eye::kLeft, rig);
-  return CheckImage(frame.right_path, Eye::kRight, rig) && is_left_readable;
-}
-
 // Of the masks and all images that can be read; there must be a pair. Images of another size are
 // another camera's: better said before the first hour than after it.
 void CheckSizes(const Dataset& dataset) {
@@ -232,7 +226,8 @@ void CheckSizes(const Dataset& dataset) {
   for (const LoneImage& image : dataset.lone_images) CheckImage(image.path, image.eye, rig);
   const auto& frames = dataset.frames;
   const auto readable = std::count_if(frames.begin(), frames.end(), [&](const StereoFrame& frame) {
-    return CheckFrame(frame, rig);
+    const bool is_left_readable = CheckImage(frame.left_path, Eye::kLeft, rig);
+    return CheckImage(frame.right_path, Eye::kRight, rig) && is_left_readable;
   });
   if (readable > 0) return;
   throw DataError(

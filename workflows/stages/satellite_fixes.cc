@@ -124,20 +124,17 @@ class FixTie {
            kPerCentAt95;
   }
 
-  FixFusion Fusion() const {
-    return {antenna_,           EnuFromWorld(),
-            ScaleSigma(),       whole_.alignment->clock_offset_sigma_s,
-            options_.max_gap_s, KnownSteps()};
-  }
-
   // A step that wheels or a few points on the horizon bridge is not as good as the others.
-  StepCovariances KnownSteps() const {
-    StepCovariances known = AdjustedSteps(part_.odometry, part_.adjustment);
-    for (std::size_t i = 0; i < known.size(); ++i) {
+  FixFusion Fusion() const {
+    FixFusion fusion{antenna_,           EnuFromWorld(),
+                     ScaleSigma(),       whole_.alignment->clock_offset_sigma_s,
+                     options_.max_gap_s, AdjustedSteps(part_.odometry, part_.adjustment)};
+    for (std::size_t i = 0; i < fusion.step_covariances.size(); ++i) {
       const OdometryFrame& frame = part_.odometry[i];
-      if (!known[i] && frame.source == PoseSource::kOdometry) known[i] = frame.step_covariance;
+      auto& known = fusion.step_covariances[i];
+      if (!known && frame.source == PoseSource::kOdometry) known = frame.step_covariance;
     }
-    return known;
+    return fusion;
   }
 
   // Horizontal distances of the judging fixes; nothing for those beside no pose.
