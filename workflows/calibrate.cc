@@ -194,10 +194,10 @@ std::string Table(const Pool& pool, const PooledCalibration& calibration) {
   std::string table = fmt::format(
       "corrected: {}; largest shift in the right image {:.2f} px, disparity at infinity {:+.3f} "
       "px\n"
-      "{:32} {:>12} {:>12} {:>12}\n",
+      "{:32} {:>12} {:>12} {:>12} {:>12}\n",
       NameOf(calibration.refined), LargestShiftPx(pool.base, pooled),
       DisparityAtInfinity(pooled) - DisparityAtInfinity(pool.base), "part", "infinity px",
-      "others px", "difference");
+      "others px", "difference", "largest");
   for (std::size_t i = 0; i < pool.parts.size(); ++i) {
     const WitnessComparison& part = calibration.parts[i];
     const auto infinity_px = [&](const ProbableCorrection& correction) {
@@ -205,14 +205,15 @@ std::string Table(const Pool& pool, const PooledCalibration& calibration) {
              DisparityAtInfinity(pool.base);
     };
     table += fmt::format("{:32} {:>+12.3f} ", pool.parts[i].name, infinity_px(part.alone));
-    table += pool.parts.size() > 1 ? fmt::format("{:>+12.3f} {:>12.2f}\n", infinity_px(part.others),
-                                                 part.square_per_parameter)
-                                   : fmt::format("{:>12} {:>12}\n", "-", "-");
+    table += pool.parts.size() > 1
+                 ? fmt::format("{:>+12.3f} {:>12.2f} {:>12.2f}\n", infinity_px(part.others),
+                               part.square_per_parameter, part.largest_sigmas)
+                 : fmt::format("{:>12} {:>12} {:>12}\n", "-", "-", "-");
   }
   if (pool.parts.size() == 1) return table;
   return table +
          "difference: square per parameter between the part and all others, in units of what both "
-         "leave unknown; the same rig has about 1\n";
+         "leave unknown; the same rig has about 1. largest: of the single parameters, in sigmas\n";
 }
 
 // Parts that are not of one rig: it was knocked, warmed up or refocused, or one is of another.

@@ -82,15 +82,22 @@ std::optional<Estimate> ComparedEstimate(RigRefinement compared,
 struct Difference {
   double square = 0.0;    // in units of what both leave unknown
   double free = 0.0;      // parameters
+  double largest = 0.0;   // of one of them, in sigmas
   double response = 0.0;  // of the square to rigs that differ by the prior
 };
 
 Difference DifferenceOf(const WitnessComparison& part, const CalibrationMatrix& usual) {
   const CalibrationVector apart = part.alone.correction - part.others.correction;
-  const auto both = (part.alone.covariance + part.others.covariance).eval().ldlt();
+  const CalibrationMatrix unknown = part.alone.covariance + part.others.covariance;
+  const auto both = unknown.ldlt();
   CalibrationMatrix free = CalibrationMatrix::Zero();
-  for (int i = 0; i < kCalibrationSize; ++i) free(i, i) = apart(i) != 0.0 ? 1.0 : 0.0;
-  return {apart.dot(both.solve(apart)), free.trace(),
+  double largest = 0.0;
+  for (int i = 0; i < kCalibrationSize; ++i) {
+    if (apart(i) == 0.0) continue;
+    free(i, i) = 1.0;
+    largest = std::max(largest, std::abs(apart(i)) / std::sqrt(unknown(i, i)));
+  }
+  return {apart.dot(both.solve(apart)), free.trace(), largest,
           both.solve(free * usual * free).eval().trace()};
 }
 
@@ -159,9 +166,11 @@ std::optional<PooledCalibration> PoolCalibrations(const std::vector<CalibrationW
     const auto others = ComparedEstimate(compared, parts, &part, correction, prior, counted);
     const auto without = EstimateOf(parts, &part, prior, counted);
     if (!alone || !others || !without) return std::nullopt;
-    WitnessComparison comparison{alone->found, others->found, 0.0, without->found};
+    WitnessComparison comparison{
+        .alone = alone->found, .others = others->found, .without = without->found};
     const Difference difference = DifferenceOf(comparison, usual);
     comparison.square_per_parameter = difference.square / std::max(1.0, difference.free);
+    comparison.largest_sigmas = difference.largest;
     result.parts.push_back(comparison);
   }
   AddWhatRigsGive(usual, result);

@@ -58,6 +58,8 @@ TEST_F(PoolCalibrationsTest, FindsWhatTheyHaveInCommonWhereverEachWasCorrectedTo
   EXPECT_LT(off.maxCoeff(), 0.05);
   for (const WitnessComparison& part : pooled.parts) {
     EXPECT_LT(part.square_per_parameter, 1.6);
+    EXPECT_GT(part.largest_sigmas, 0.0);
+    EXPECT_LT(part.largest_sigmas, 3.0);
   }
   // Three know it better than one.
   const PooledCalibration single = Pool({Witness(truth, truth)});
@@ -70,6 +72,7 @@ TEST_F(PoolCalibrationsTest, NamesAPartOfAnotherRig) {
   const PooledCalibration pooled =
       Pool({Witness(truth, truth), Witness(truth, truth), Witness(other, other)});
   EXPECT_GT(pooled.parts[2].square_per_parameter, 10.0);
+  EXPECT_GT(pooled.parts[2].largest_sigmas, 3.0);
   EXPECT_GT(pooled.parts[2].square_per_parameter, 2.0 * pooled.parts[0].square_per_parameter);
 }
 

@@ -158,6 +158,18 @@ TEST_F(OpenKatwijkTest, SizeIsThatOfTheImageBesideAnUnreadableOne) {
               HasSubstr("36_40_1.png: expected 32 x 24"));
 }
 
+TEST_F(OpenKatwijkTest, RocksAreKnownWhereFixesCannotBeRead) {
+  folder_.Write("root/rig.yaml", SampleRigText());
+  folder_.Write("root/Rock Data/Rock Positions Traverse 3/small-rocks-traverse3.txt",
+                "595001 5785001\n");
+  folder_.Write("root/Traverse3/Part1/gps-latlong.txt", "no fixes\n");
+  const Dataset dataset = Open(part_);
+  EXPECT_THAT(dataset.fixes, IsEmpty());
+  EXPECT_EQ(dataset.surveyed_landmarks.size(), 1U);
+  EXPECT_THAT(dataset.health.remarks,
+              Contains(AllOf(HasSubstr("gps-latlong.txt"), HasSubstr("not compared"))));
+}
+
 TEST_F(OpenKatwijkTest, OnePairMustBeReadable) {
   folder_.Write("root/rig.yaml", SampleRigText());
   for (const char* name : {"36_5_1", "36_40_0", "36_300_1", "36_1000_0"}) {

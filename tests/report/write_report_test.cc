@@ -14,6 +14,7 @@ namespace rigmap {
 namespace {
 
 namespace fs = std::filesystem;
+using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
 
@@ -49,6 +50,36 @@ TEST_F(WriteReportTest, DoesNotCallTrustedWhatNothingMeasured) {
   const std::string report = ReportOf(WriteSampleResult(folder_, "stood", summary));
   EXPECT_THAT(report, HasSubstr("Consistent, but nothing checked its metres"));
   EXPECT_THAT(report, Not(HasSubstr("can be trusted")));
+}
+
+TEST_F(WriteReportTest, DrawsNoSigmaWhereNoneIsKnown) {
+  const fs::path root = WriteSampleResult(folder_);
+  const std::string chart = "sigma of the position, mm";
+  ASSERT_THAT(ReportOf(root), AllOf(HasSubstr(chart), Not(HasSubstr("\"sx\":[null"))));
+  const std::string unknown = "nan,nan,nan,nan,nan,nan,adjusted,1\n";
+  folder_.Write("result/trajectory.csv",
+                "stamp_ns,tx,ty,tz,qx,qy,qz,qw,sx,sy,sz,srx,sry,srz,source,keyframe\n"
+                "1000000000,0,0,1,0,0,0,1," +
+                    unknown + "2000000000,1,0,1,0,0,0,1," + unknown);
+  EXPECT_THAT(ReportOf(root), AllOf(Not(HasSubstr(chart)), HasSubstr("\"sx\":[null,null]")));
+}
+
+// The same motion in sigmas and in per cent: passing one is enough.
+TEST_F(WriteReportTest, CallsAGatePassedByTheOtherUnitOnlyWhereThatPassed) {
+  const auto report_with = [&](double sigmas, double per_cent) {
+    Json summary = SampleSummary();
+    const auto add = [&](const char* name, double value, double limit) {
+      summary["gates"].push_back(
+          {{"name", name}, {"value", value}, {"limit", limit}, {"passed", true}, {"why", ""}});
+    };
+    add("motion_agreement_sigmas", sigmas, 5.0);
+    add("motion_agreement_pct", per_cent, 0.5);
+    return ReportOf(WriteSampleResult(folder_, "result", summary));
+  };
+  constexpr const char* kByTwin = "passed by the other unit";
+  EXPECT_THAT(report_with(7.0, 0.1), HasSubstr(kByTwin));
+  EXPECT_THAT(report_with(3.0, 0.1), Not(HasSubstr(kByTwin)));
+  EXPECT_THAT(report_with(7.0, 0.9), Not(HasSubstr(kByTwin))) << "a diagnostic: neither judges";
 }
 
 TEST_F(WriteReportTest, NamesAreHarmless) {
