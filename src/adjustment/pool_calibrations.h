@@ -26,7 +26,8 @@ struct WitnessComparison {
   // Square of the difference in units of what both leave unknown, per free parameter: 1 is expected
   // of the same rig, and never more than kSameRigSquare.
   double square_per_parameter = 0.0;
-  double largest_sigmas = 0.0;  // of the differences of single parameters, in the same units
+  // Of the differences of single parameters, in sigmas of what both leave unknown.
+  double largest_sigmas = 0.0;
   // The rig for this part: what PoolCalibrations finds without it. Of all parameters, as the pool's
   // own; the prior's where there are no others.
   ProbableCorrection without;
