@@ -70,14 +70,18 @@ StageGraph JoinRecipe(const Dataset& data, const DatasetContent& data_content,
 
   const auto graph = g.AddView(NoGraph, odometry);
   const auto aligned = g.AddView(NoMapping, odometry);
-  const InTurn starts{StartingFrom::kOdometry, StartingFrom::kOdometry};
+  const auto from_odometry =
+      g.AddStage(OdometricAdjustment(),
+                 Reading(o.features, o.corners, o.masks, o.matching, o.adjustment, o.odometry,
+                         o.dead_reckoning, o.filter),
+                 dataset, features, odometry, matches);
   AdjustmentStage adjustment = RigAdjustment();
   if (tie_to) PublishCalibrationOnly(adjustment);
   const auto adjusted = g.AddStage(
       adjustment,
-      Reading(starts, o.features, o.corners, o.masks, o.matching, o.adjustment, o.odometry,
-              o.dead_reckoning, o.filter, o.gates.mapping, o.gates.adjustment),
-      dataset, content, features, odometry, matches, graph, aligned);
+      Reading(StartingFrom::kOdometry, o.features, o.corners, o.masks, o.matching, o.adjustment,
+              o.odometry, o.dead_reckoning, o.filter, o.gates.mapping, o.gates.adjustment),
+      dataset, content, features, odometry, matches, graph, aligned, from_odometry);
   const auto own_gates =
       g.AddCheck(AdjustedGates(),
                  Reading(o.gates.mapping, o.gates.poses, o.gates.adjustment, o.gates.calibration),

@@ -30,14 +30,18 @@ StageGraph RigRecipe(const Dataset& data, const DatasetContent& data_content,
       AddMappedKeyframes(g, o, {dataset, colmap, features, odometry}, o.mapping.method);
 
   // one pose per frame, the rig held -> trajectory and sparse model
-  const bool is_mapped = o.mapping.method != MappingMethod::kNone;
-  const InTurn starts{is_mapped ? StartingFrom::kMapping : StartingFrom::kOdometry,
-                      StartingFrom::kOdometry};
+  const auto from_odometry =
+      g.AddStage(OdometricAdjustment(),
+                 Reading(o.features, o.corners, o.masks, o.matching, o.adjustment, o.odometry,
+                         o.dead_reckoning, o.filter),
+                 dataset, features, odometry, matches);
+  const auto start =
+      o.mapping.method != MappingMethod::kNone ? StartingFrom::kMapping : StartingFrom::kOdometry;
   const auto adjusted = g.AddStage(
       RigAdjustment(),
-      Reading(starts, o.features, o.corners, o.masks, o.matching, o.adjustment, o.odometry,
+      Reading(start, o.features, o.corners, o.masks, o.matching, o.adjustment, o.odometry,
               o.dead_reckoning, o.filter, o.gates.mapping, o.gates.adjustment),
-      dataset, content, features, odometry, matches, graph, aligned);
+      dataset, content, features, odometry, matches, graph, aligned, from_odometry);
   const auto gates =
       g.AddCheck(AdjustedGates(),
                  Reading(o.gates.mapping, o.gates.poses, o.gates.adjustment, o.gates.calibration),

@@ -31,24 +31,6 @@ std::vector<bool> Selected(const StageGraph& graph, const std::optional<std::str
   return selected;
 }
 
-std::vector<std::size_t> LastUses(const StageGraph& graph, const std::vector<bool>& selected) {
-  const auto& nodes = graph.nodes();
-  std::vector<std::size_t> last_use(nodes.size());
-  for (std::size_t i = 0; i < nodes.size(); ++i) {
-    last_use[i] = i;
-    if (!selected[i]) continue;
-    for (const std::size_t input : nodes[i].inputs) last_use[input] = i;
-  }
-  // A view lives as long as what it was made from, and the other way round.
-  for (std::size_t i = nodes.size(); i-- > 0;) {
-    if (nodes[i].kind != Kind::kView) continue;
-    for (const std::size_t input : nodes[i].inputs) {
-      last_use[input] = std::max(last_use[input], last_use[i]);
-    }
-  }
-  return last_use;
-}
-
 // Of a source that nobody asks for now: as it was when somebody did.
 std::optional<std::string> RecordedKey(const StageNode& source, const Ledger& ledger) {
   const StageRecord* record = ledger.Find(source.name);
@@ -73,7 +55,6 @@ Schedule MakeSchedule(const StageGraph& graph, const RunPlan& plan, const Ledger
   schedule.selected = Selected(graph, plan.until);
   schedule.anew.assign(nodes.size(), false);
   if (plan.from) schedule.anew = graph.Descendants(graph.IndexOf(*plan.from));
-  schedule.last_use = LastUses(graph, schedule.selected);
   schedule.keys.resize(nodes.size());
   schedule.sources.resize(nodes.size());
   for (std::size_t i = 0; i < nodes.size(); ++i) {

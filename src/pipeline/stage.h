@@ -75,6 +75,9 @@ struct Stage<Product, Takes<Inputs...>, Reads<Options...>> {
   // itself.
   bool (*is_whole)(const StageContext&, const Product&) = nullptr;
   Report (*report)(const Product&, const Inputs&...) = nullptr;
+  // It mostly waits for a child process that keeps one core busy: what does not take its product is
+  // done meanwhile.
+  bool waits_for_child = false;
 };
 
 // A check: what a finished product is worth. It is done whenever all that it takes is there, has no

@@ -40,6 +40,16 @@ std::size_t StageGraph::IndexOf(const std::string& name) const {
   return static_cast<std::size_t>(found - nodes_.begin());
 }
 
+std::vector<std::size_t> StageGraph::Needs(std::size_t index) const {
+  std::vector<std::size_t> needs = nodes_[index].inputs;
+  for (std::size_t n = 0; n < needs.size(); ++n) {
+    if (nodes_[needs[n]].kind != StageNode::Kind::kView) continue;
+    const std::vector<std::size_t> of_view = nodes_[needs[n]].inputs;
+    needs.insert(needs.end(), of_view.begin(), of_view.end());
+  }
+  return needs;
+}
+
 std::vector<bool> StageGraph::Ancestors(std::size_t index) const {
   std::vector<bool> reached(nodes_.size(), false);
   reached[index] = true;

@@ -45,6 +45,7 @@ struct StageNode {
   std::vector<std::size_t> inputs;
   std::vector<std::string> reads;  // options, as "section.name"
   std::vector<std::string> publishes;
+  bool waits_for_child = false;
   // A source: opens it, and says its key. Throws if it is not to be had.
   std::function<std::pair<std::string, std::any>()> open;
   std::function<std::any(const StageContext&, const Inputs&)> make;
@@ -87,7 +88,8 @@ class StageGraph {
                    .identity = Identity(stage.name, stage.code, options),
                    .inputs = {inputs.index...},
                    .reads = NamesIn(options),
-                   .publishes = stage.publishes};
+                   .publishes = stage.publishes,
+                   .waits_for_child = stage.waits_for_child};
     node.make = [make = stage.make, options](const StageContext& context,
                                              const StageNode::Inputs& values) {
       return Pack(CallWith<Inputs...>(values, [&](const Inputs&... input) {
@@ -168,6 +170,8 @@ class StageGraph {
   std::vector<std::string> Outputs() const;
   // The node of that name. Throws std::logic_error if there is none.
   std::size_t IndexOf(const std::string& name) const;
+  // What must be in memory to make it: its inputs, and those of the views among these.
+  std::vector<std::size_t> Needs(std::size_t index) const;
   // True for each node that `index` depends on, itself included; or that depends on it.
   std::vector<bool> Ancestors(std::size_t index) const;
   std::vector<bool> Descendants(std::size_t index) const;

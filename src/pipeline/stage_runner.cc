@@ -53,26 +53,54 @@ void StageRunner::Clear() {
 void StageRunner::Run(Job& job) {
   fs::create_directories(root_ / "logs");
   Clear();
+  std::vector<std::size_t> left;
   for (std::size_t i = 0; i < graph_.nodes().size(); ++i) {
-    const StageNode& node = graph_.nodes()[i];
-    if (!schedule_.selected[i] || node.kind == Kind::kView) continue;
-    if (node.kind != Kind::kSource || node.report) {
-      job.LogTo(root_ / "logs" / (node.name + ".log"));
+    if (schedule_.selected[i] && graph_.nodes()[i].kind != Kind::kView) left.push_back(i);
+  }
+  try {
+    while (!left.empty() || !under_way_.empty()) {
+      if (const auto ready = FirstReady(left)) {
+        std::erase(left, *ready);
+        Do(*ready, job);
+      } else {
+        FinishFirstUnderWay();
+      }
+      Release(left);
     }
-    Do(i);
-    Release(i);
+  } catch (...) {
+    while (!under_way_.empty()) {
+      try {
+        FinishFirstUnderWay();
+      } catch (const std::exception& also) {
+        spdlog::error("{}", also.what());  // what failed first is thrown
+      }
+    }
+    throw;
   }
   job.LogToTerminal();
 }
 
-void StageRunner::Do(std::size_t index) {
-  switch (graph_.nodes()[index].kind) {
+std::optional<std::size_t> StageRunner::FirstReady(const std::vector<std::size_t>& left) const {
+  for (const std::size_t index : left) {
+    const std::vector<bool> awaited = graph_.Ancestors(index);
+    const bool waits =
+        std::ranges::any_of(left, [&](std::size_t i) { return i != index && awaited[i]; }) ||
+        std::ranges::any_of(under_way_, [&](const UnderWay& u) { return awaited[u.index]; });
+    if (!waits) return index;
+  }
+  return std::nullopt;
+}
+
+void StageRunner::Do(std::size_t index, Job& job) {
+  const StageNode& node = graph_.nodes()[index];
+  if (node.kind != Kind::kSource || node.report) job.LogTo(LogPath(index));
+  switch (node.kind) {
     case Kind::kSource:
       return DoSource(index);
     case Kind::kCheck:
       return DoCheck(index);
     case Kind::kStage:
-      return DoStage(index);
+      return DoStage(index, job);
     case Kind::kView:
       return;
   }
@@ -99,44 +127,68 @@ void StageRunner::DoCheck(std::size_t index) {
   Put(index, std::move(record));
 }
 
-void StageRunner::DoStage(std::size_t index) {
-  const StageNode& node = graph_.nodes()[index];
+void StageRunner::DoStage(std::size_t index, Job& job) {
   ReturnFreedMemory();
-  MemoryPeak memory;
   const double start_s = Now();
   const StageContext context = ContextOf(index);
+  if (auto record = Reused(index, context)) {
+    spdlog::info("reused, {:.3f} s", Now() - start_s);
+    return Put(index, std::move(*record));
+  }
+  StageNode::Inputs inputs = InputsOf(index);
+  if (!graph_.nodes()[index].waits_for_child) return Record(index, Make(index, context, inputs));
+  const auto beside = [this, index, context, inputs = std::move(inputs), log = LogPath(index),
+                       threads = job.threads(), quiet = job.quiet(), sharing = job.sharing()] {
+    Job own(threads, quiet, sharing);
+    own.LogTo(log);
+    return own.Run([&] { return Make(index, context, inputs); });
+  };
+  under_way_.push_back({index, std::async(std::launch::async, beside)});
+}
+
+std::optional<StageRecord> StageRunner::Reused(std::size_t index, const StageContext& context) {
+  const StageNode& node = graph_.nodes()[index];
+  const double start_s = Now();
   const StageRecord* valid = ValidRecord(index);
   const bool published = node.publishes.empty() ||
                          (valid && valid->declared == node.publishes && IsPublished(*valid, root_));
   const bool kept = !schedule_.anew[index] && (published || node.publish) &&
                     HasArtefact(ProductPath(index), *schedule_.keys[index]) &&
                     (!node.is_whole || IsWhole(index, context));
-  StageRecord record;
-  if (kept && valid) record = *valid;
+  if (!kept) return std::nullopt;
+  StageRecord record = valid ? *valid : StageRecord{};
   if (node.publishes.empty()) record.published.clear();
   record.name = node.name;
   record.key = *schedule_.keys[index];
   record.declared = node.publishes;
-  record.reused = kept;
-  if (kept) {
-    std::error_code ignored;  // what cannot be touched is only forgotten earlier
-    fs::last_write_time(ProductPath(index), fs::file_time_type::clock::now(), ignored);
-  }
-  if (!kept) {
-    record.published = Make(index, context);
-  } else if (!published) {
-    record.published = Publish(index, context);
-  }
-  if (node.report && !(kept && valid)) record.report = node.report(Get(index), InputsOf(index));
-  if (!(kept && valid)) {
-    const double children_mb = ChildrenPeakMb();
-    // The kernel keeps the largest child of all; one that grew it ran in this stage.
-    const double child_mb = children_mb > children_peak_mb_ ? children_mb : 0.0;
-    children_peak_mb_ = children_mb;
+  record.reused = true;
+  std::error_code ignored;  // what cannot be touched is only forgotten earlier
+  fs::last_write_time(ProductPath(index), fs::file_time_type::clock::now(), ignored);
+  if (!published) record.published = Publish(index, context);
+  if (!valid) {
+    if (node.report) record.report = node.report(Get(index), InputsOf(index));
     record.seconds = Now() - start_s;
-    record.peak_rss_mb = std::max(memory.Megabytes(), child_mb);
+    record.peak_rss_mb = ResidentMegabytes();
   }
-  spdlog::info("{} {:.3f} s", kept ? "reused," : "done,", Now() - start_s);
+  return record;
+}
+
+void StageRunner::FinishFirstUnderWay() {
+  UnderWay first = std::move(under_way_.front());
+  under_way_.erase(under_way_.begin());
+  Record(first.index, first.made.get());
+}
+
+void StageRunner::Record(std::size_t index, Made made) {
+  const StageNode& node = graph_.nodes()[index];
+  products_[index] = std::move(made.product);
+  StageRecord record{.name = node.name,
+                     .key = *schedule_.keys[index],
+                     .seconds = made.seconds,
+                     .peak_rss_mb = made.peak_rss_mb,
+                     .published = std::move(made.published),
+                     .declared = node.publishes};
+  if (node.report) record.report = node.report(products_[index], InputsOf(index));
   Put(index, std::move(record));
 }
 
@@ -148,23 +200,32 @@ bool StageRunner::IsWhole(std::size_t index, const StageContext& context) {
   return true;
 }
 
-std::vector<std::string> StageRunner::Make(std::size_t index, const StageContext& given) {
+StageRunner::Made StageRunner::Make(std::size_t index, StageContext context,
+                                    const StageNode::Inputs& inputs) const {
   const StageNode& node = graph_.nodes()[index];
-  const StageNode::Inputs inputs = InputsOf(index);
+  const double start_s = Now(), children_before_mb = ChildrenPeakMb();
+  MemoryPeak memory;
   Publication publication(root_, node.publishes);
-  StageContext context = given;
   context.publication = &publication;
+  Made made;
   try {
-    products_[index] = node.make(context, inputs);
-    if (node.publish) node.publish(publication, context, products_[index], inputs);
+    made.product = node.make(context, inputs);
+    if (node.publish) node.publish(publication, context, made.product, inputs);
     fs::remove_all(context.scratch);
-    node.keep(ProductPath(index), *schedule_.keys[index], products_[index]);
+    node.keep(ProductPath(index), *schedule_.keys[index], made.product);
   } catch (...) {
-    Discard(node);
+    Discard(index);
     throw;
   }
   ForgetOlder(node, ProductPath(index));
-  return {publication.written().begin(), publication.written().end()};
+  made.published.assign(publication.written().begin(), publication.written().end());
+  made.seconds = Now() - start_s;
+  // The kernel keeps the largest child of all; one that grew it ran in this stage.
+  const double children_mb = ChildrenPeakMb();
+  made.peak_rss_mb =
+      std::max(memory.Megabytes(), children_mb > children_before_mb ? children_mb : 0.0);
+  spdlog::info("done, {:.3f} s", made.seconds);
+  return made;
 }
 
 std::vector<std::string> StageRunner::Publish(std::size_t index, const StageContext& context) {
@@ -174,19 +235,20 @@ std::vector<std::string> StageRunner::Publish(std::size_t index, const StageCont
   try {
     node.publish(publication, context, product, InputsOf(index));
   } catch (...) {
-    Discard(node);
+    Discard(index);
     throw;
   }
   return {publication.written().begin(), publication.written().end()};
 }
 
 // As far as it can be done: the failure that led here matters more.
-void StageRunner::Discard(const StageNode& node) const {
-  std::vector<std::string> paths = node.publishes;
-  paths.push_back("stages/scratch");
-  for (const std::string& path : paths) {
+void StageRunner::Discard(std::size_t index) const {
+  const StageNode& node = graph_.nodes()[index];
+  std::vector<fs::path> paths{ScratchPath(index)};
+  for (const std::string& name : node.publishes) paths.push_back(root_ / name);
+  for (const fs::path& path : paths) {
     std::error_code code;
-    fs::remove_all(root_ / path, code);
+    fs::remove_all(path, code);
     if (code) spdlog::warn("what is left of {} cannot be removed: {}", node.name, code.message());
   }
 }
@@ -216,10 +278,11 @@ const std::any& StageRunner::Get(std::size_t index) {
   } else {
     product = node.load(ProductPath(index), *schedule_.keys[index]);
     if (!product.has_value()) {  // damaged inside, which only reading it whole showed
-      const auto published = Make(index, ContextOf(index));
+      Made made = Make(index, ContextOf(index), InputsOf(index));
+      product = std::move(made.product);
       if (const StageRecord* valid = ValidRecord(index)) {
         StageRecord record = *valid;
-        record.published = published;
+        record.published = std::move(made.published);
         record.reused = false;
         Put(index, std::move(record));
       }
@@ -234,11 +297,15 @@ StageNode::Inputs StageRunner::InputsOf(std::size_t index) {
   return inputs;
 }
 
-// What no stage to come takes.
-void StageRunner::Release(std::size_t done) {
-  for (std::size_t i = 0; i <= done; ++i) {
-    const bool given = graph_.nodes()[i].kind == Kind::kSource;
-    if (!given && schedule_.last_use[i] <= done) products_[i].reset();
+void StageRunner::Release(const std::vector<std::size_t>& left) {
+  std::vector<bool> needed(products_.size(), false);
+  const auto need = [&](std::size_t index) {
+    for (const std::size_t input : graph_.Needs(index)) needed[input] = true;
+  };
+  std::ranges::for_each(left, need);
+  for (const UnderWay& stage : under_way_) need(stage.index);
+  for (std::size_t i = 0; i < products_.size(); ++i) {
+    if (!needed[i] && graph_.nodes()[i].kind != Kind::kSource) products_[i].reset();
   }
 }
 
@@ -252,12 +319,19 @@ fs::path StageRunner::ProductPath(std::size_t index) const {
          fmt::format("{}-{}.bin", graph_.nodes()[index].name, *schedule_.keys[index]);
 }
 
+fs::path StageRunner::LogPath(std::size_t index) const {
+  return root_ / "logs" / (graph_.nodes()[index].name + ".log");
+}
+
+fs::path StageRunner::ScratchPath(std::size_t index) const {
+  return root_ / "stages" / ("scratch-" + graph_.nodes()[index].name);
+}
+
 StageContext StageRunner::ContextOf(std::size_t index) const {
-  const std::string& name = graph_.nodes()[index].name;
   const Job* job = Job::Current();
   return {.root = root_,
-          .log = root_ / "logs" / (name + ".log"),
-          .scratch = root_ / "stages" / "scratch",
+          .log = LogPath(index),
+          .scratch = ScratchPath(index),
           .threads = job ? job->threads() : 1,
           .memory_mb = plan_.memory_mb,
           .may_reuse = !schedule_.anew[index],

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <filesystem>
+#include <future>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -14,7 +16,11 @@
 namespace rigmap {
 
 // Layout: stages/<stage>-<key>.bin holds a product, stages/ledger.json what there is,
-// logs/<stage>.log the messages of a stage, stages/scratch what none needs afterwards.
+// logs/<stage>.log the messages of a stage, stages/scratch-<stage> what it needs no longer than it
+// works.
+//
+// Stages are done one after the other, in the order of the recipe. One that waits for a child
+// process goes on in a thread of its own meanwhile, until something takes what it makes.
 //
 // The key of a stage is a hash of its code, the options that it reads and the keys of what it
 // takes. A product kept with the same key is taken up, whichever recipe or machine made it. Of each
@@ -32,32 +38,55 @@ class StageRunner {
   // The stages that published them, or only kept something that does not hold any more.
   const std::vector<std::string>& outdated_stages() const { return outdated_.stages; }
 
-  // Throws what a stage throws; what was done before stays, and of that stage nothing is left.
+  // Throws what a stage throws; what was done before stays, as does what was still under way beside
+  // it, and of that stage nothing is left.
   void Run(Job& job);
 
   // What the folder holds, in the order of the recipe.
   const Ledger& ledger() const { return ledger_; }
 
  private:
+  // What a stage has made, published and kept.
+  struct Made {
+    std::any product;
+    std::vector<std::string> published;
+    double seconds = 0.0;
+    double peak_rss_mb = 0.0;
+  };
+  // A stage that is at work in a thread of its own.
+  struct UnderWay {
+    std::size_t index = 0;
+    std::future<Made> made;
+  };
+
   void Clear();
-  void Do(std::size_t index);
+  // Of `left`, in their order, the first that waits for none of the others nor for what is under
+  // way.
+  std::optional<std::size_t> FirstReady(const std::vector<std::size_t>& left) const;
+  void Do(std::size_t index, Job& job);
   void DoSource(std::size_t index);
   void DoCheck(std::size_t index);
-  void DoStage(std::size_t index);
-  // Makes, publishes and keeps; the published names.
-  std::vector<std::string> Make(std::size_t index, const StageContext& context);
+  void DoStage(std::size_t index, Job& job);
+  // Of a stage that is kept; nothing where it is to be made.
+  std::optional<StageRecord> Reused(std::size_t index, const StageContext& context);
+  void FinishFirstUnderWay();
+  void Record(std::size_t index, Made made);
+  Made Make(std::size_t index, StageContext context, const StageNode::Inputs& inputs) const;
   std::vector<std::string> Publish(std::size_t index, const StageContext& context);
   // Whether the kept product can be read and what it names is there; it is in memory then.
   bool IsWhole(std::size_t index, const StageContext& context);
-  void Discard(const StageNode& node) const;
+  void Discard(std::size_t index) const;
   void ForgetOlder(const StageNode& node, const std::filesystem::path& newest) const;
   // The product: as it is in memory, or kept, or made now.
   const std::any& Get(std::size_t index);
   StageNode::Inputs InputsOf(std::size_t index);
-  void Release(std::size_t done);
+  // Forgets what none of `left` and of what is under way takes.
+  void Release(const std::vector<std::size_t>& left);
   // The record, if it speaks of the node's present key.
   const StageRecord* ValidRecord(std::size_t index) const;
   std::filesystem::path ProductPath(std::size_t index) const;
+  std::filesystem::path LogPath(std::size_t index) const;
+  std::filesystem::path ScratchPath(std::size_t index) const;
   StageContext ContextOf(std::size_t index) const;
   void Put(std::size_t index, StageRecord record);
 
@@ -68,7 +97,7 @@ class StageRunner {
   Schedule schedule_;
   Outdated outdated_;
   std::vector<std::any> products_;  // of each node, while it is in memory
-  double children_peak_mb_ = 0.0;
+  std::vector<UnderWay> under_way_;
 };
 
 }  // namespace rigmap

@@ -96,15 +96,6 @@ TEST(ScheduleTest, KeysFollowInputsAndOptions) {
   EXPECT_NE(key(Line("a", 1)), key(Line("a", 2)));
 }
 
-TEST(ScheduleTest, HoldsWhatAViewWasMadeFromAsLongAsTheView) {
-  const StageGraph graph = Line("a", 1);
-  const Schedule schedule = MakeSchedule(graph, Until("second"), {});
-  EXPECT_EQ(schedule.last_use[graph.IndexOf("first")], graph.IndexOf("check"));
-  EXPECT_EQ(schedule.last_use[2], graph.IndexOf("second"));  // the view
-  const Schedule short_one = MakeSchedule(graph, Until("first"), {});
-  EXPECT_EQ(short_one.last_use[graph.IndexOf("second")], graph.IndexOf("second"));
-}
-
 TEST(ScheduleTest, WhatWasMadeOtherwiseIsOutdated) {
   const TemporaryFolder folder;
   for (const char* file : {"first.txt", "second.txt", "stray.txt", "mine.txt"}) {

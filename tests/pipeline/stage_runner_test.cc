@@ -1,6 +1,10 @@
 #include "pipeline/stage_runner.h"
 
 #include <gmock/gmock.h>
+#include <spdlog/spdlog.h>
+
+#include <chrono>
+#include <future>
 
 #include "core/error.h"
 #include "core/file.h"
@@ -12,7 +16,9 @@ namespace {
 
 namespace fs = std::filesystem;
 using testing::ElementsAre;
+using testing::HasSubstr;
 using testing::IsEmpty;
+using testing::Not;
 using testing::UnorderedElementsAre;
 
 struct TextOptions {
@@ -361,7 +367,7 @@ TEST_F(StageRunnerTest, FailureWhileMakingLeavesNothingOfThatStage) {
   EXPECT_THROW(Run({.adjustment = 20}), DataError);
   EXPECT_FALSE(fs::exists(tum_));
   EXPECT_FALSE(fs::exists(ply_));
-  EXPECT_FALSE(fs::exists(root_ / "stages" / "scratch"));
+  EXPECT_FALSE(fs::exists(root_ / "stages" / "scratch-adjustment"));
   const Ledger left = ReadLedger(root_);
   ASSERT_EQ(left.stages.size(), 2U);
   EXPECT_EQ(left.stages[1].name, "odometry");
@@ -377,6 +383,95 @@ TEST_F(StageRunnerTest, ProductThatWasNotPublishedDoesNotCountAsKept) {
   fails_at.clear();
   EXPECT_THAT(Run({.until = "adjustment"}),
               ElementsAre("make adjustment", "publish adjustment", "check"));
+}
+
+// Of two stages on one stem and what takes both: the first of them waits until the second is done.
+std::promise<void> odometry_done;
+
+std::string Mapping(const StageContext& context, const std::string& text, const TextOptions& o) {
+  constexpr auto kLongEnough = std::chrono::seconds(60);
+  const bool is_beside =
+      odometry_done.get_future().wait_for(kLongEnough) == std::future_status::ready;
+  spdlog::info("mapping was here");
+  context.publication->File("dense.ply", [&](std::ostream& stream) { stream << "a model"; });
+  if (fails_at == "mapping") throw DataError("failed in mapping");
+  return text + (is_beside ? " beside " : " alone ") + std::to_string(o.number);
+}
+std::string OdometryMeanwhile(const StageContext&, const std::string& given, const TextOptions&) {
+  odometry_done.set_value();
+  if (fails_at == "odometry") throw DataError("failed in odometry");
+  return Deed("odometry", given);
+}
+std::string Both(const StageContext&, const std::string& one, const std::string& other) {
+  return Deed("both", one + ", " + other);
+}
+Report ReportMapping(const std::string& product, const std::string&) { return {{"text", product}}; }
+Report ReportBoth(const std::string& product, const std::string&, const std::string&) {
+  return {{"text", product}};
+}
+
+StageGraph GraphThatWaits() {
+  StageGraph graph;
+  const auto given = graph.AddSource<std::string>(
+      "given", [] { return std::pair<std::string, std::string>("a", "a"); });
+  const auto mapped = graph.AddStage(TextStage{.name = "mapping",
+                                               .code = "code",
+                                               .make = Mapping,
+                                               .publishes = {"dense.ply"},
+                                               .report = ReportMapping,
+                                               .waits_for_child = true},
+                                     Reading(TextOptions{1}), given);
+  const auto odometry =
+      graph.AddStage(TextStage{.name = "odometry", .code = "code", .make = OdometryMeanwhile},
+                     Reading(TextOptions{2}), given);
+  graph.AddStage(
+      Stage<std::string, Takes<std::string, std::string>, Reads<>>{
+          .name = "both", .code = "code", .make = Both, .report = ReportBoth},
+      Reading(), mapped, odometry);
+  return graph;
+}
+
+class WaitingStageTest : public StageRunnerTest {
+ protected:
+  void RunWaiting() {
+    deeds.clear();
+    odometry_done = {};
+    const StageGraph graph = GraphThatWaits();
+    StageRunner runner(graph, root_, {"test", {}, {}, 100, {"dense.ply"}});
+    Job job(1, true);
+    job.Run([&] { runner.Run(job); });
+    ledger_ = runner.ledger();
+  }
+};
+
+TEST_F(WaitingStageTest, WhatDoesNotTakeItIsDoneMeanwhile) {
+  RunWaiting();
+  EXPECT_EQ(ledger_.Find("both")->report["text"], "a beside 1, a");
+  EXPECT_THAT(Recorded(), ElementsAre("mapping", "odometry", "both"));
+  EXPECT_THAT(ledger_.Find("mapping")->published, ElementsAre("dense.ply"));
+  EXPECT_THAT(ReadTextFile(root_ / "logs" / "mapping.log"), HasSubstr("mapping was here"));
+  EXPECT_THAT(ReadTextFile(root_ / "logs" / "odometry.log"), Not(HasSubstr("mapping was here")));
+  RunWaiting();
+  EXPECT_THAT(Reused(), ElementsAre("mapping", "odometry", "both"));
+  EXPECT_THAT(deeds, IsEmpty());
+}
+
+TEST_F(WaitingStageTest, ItsFailureLeavesWhatWasDoneMeanwhile) {
+  fails_at = "mapping";
+  EXPECT_THROW(RunWaiting(), DataError);
+  EXPECT_FALSE(fs::exists(ply_));
+  ASSERT_EQ(ReadLedger(root_).stages.size(), 2U);
+  EXPECT_EQ(ReadLedger(root_).stages[1].name, "odometry");
+}
+
+TEST_F(WaitingStageTest, IsKeptWhereAnotherFailsMeanwhile) {
+  fails_at = "odometry";
+  EXPECT_THROW(RunWaiting(), DataError);
+  EXPECT_EQ(ReadTextFile(ply_), "a model");
+  fails_at.clear();
+  RunWaiting();
+  EXPECT_THAT(Reused(), ElementsAre("mapping"));
+  EXPECT_EQ(ledger_.Find("both")->report["text"], "a beside 1, a");
 }
 
 TEST_F(StageRunnerTest, SourceThatIsNotToBeHadFailsOnlyWhereItIsNeeded) {

@@ -20,26 +20,27 @@ using testing::AllOf;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsSupersetOf;
+using testing::Not;
 
 using Names = std::set<std::string>;
 
 // Stages and checks that read an option, by section, and by option where they differ from the rest
 // of it: what docs/stages.md says.
 const std::map<std::string, Names> kReaders{
-    {"masks", {"features", "bridging", "adjustment", "dense"}},
-    {"features", {"features", "bridging", "adjustment"}},
-    {"odometry", {"odometry", "bridging", "adjustment"}},
-    {"dead_reckoning", {"bridging", "adjustment"}},
-    {"filter", {"bridging", "adjustment"}},
-    {"matching", {"matching", "adjustment"}},
-    {"matching.min_inliers", {"matching", "mapping", "adjustment"}},
+    {"masks", {"features", "bridging", "odometric_adjustment", "adjustment", "dense"}},
+    {"features", {"features", "bridging", "odometric_adjustment", "adjustment"}},
+    {"odometry", {"odometry", "bridging", "odometric_adjustment", "adjustment"}},
+    {"dead_reckoning", {"bridging", "odometric_adjustment", "adjustment"}},
+    {"filter", {"bridging", "odometric_adjustment", "adjustment"}},
+    {"matching", {"matching", "odometric_adjustment", "adjustment"}},
+    {"matching.min_inliers", {"matching", "mapping", "odometric_adjustment", "adjustment"}},
     {"colmap", {}},
     {"mapping", {"mapping"}},
     {"mapping.tracks_per_keyframe", {"database"}},
-    {"klt", {"bridging", "adjustment"}},
+    {"klt", {"bridging", "odometric_adjustment", "adjustment"}},
     {"sfm", {}},
     {"scale", {"mapping"}},
-    {"adjustment", {"adjustment"}},
+    {"adjustment", {"odometric_adjustment", "adjustment"}},
     {"dense", {"dense"}},
     {"dense.depth_maps", {"depth_maps"}},
     {"fusion", {"fusion"}},
@@ -145,8 +146,8 @@ TEST(RigRecipe, StagesDependOnWhatTheyTakeAndNoMore) {
   EXPECT_THAT(
       StageNames(Technique::kRig),
       ElementsAre("dataset", "features", "odometry", "bridging", "matching", "database", "mapping",
-                  "scale", "adjustment", "pose_graph", "steps", "dense", "depth_maps", "fusion",
-                  "georeference", "raster", "las", "views", "evaluation"));
+                  "scale", "odometric_adjustment", "adjustment", "pose_graph", "steps", "dense",
+                  "depth_maps", "fusion", "georeference", "raster", "las", "views", "evaluation"));
   EXPECT_THAT(DescendantsOf(graph, "views"), ElementsAre("views"));
   EXPECT_THAT(DescendantsOf(graph, "raster"), ElementsAre("raster"));
   EXPECT_THAT(DescendantsOf(graph, "truth"), ElementsAre("truth", "evaluation"));
@@ -219,6 +220,12 @@ TEST(ColmapRecipe, LeavesThePosesOfTheMappingAsTheyAre) {
 }
 
 // The odometry goes into the adjustment, and the mapping is not asked.
+TEST(RigRecipe, AdjustsTheOdometryWhileItMaps) {
+  const StageGraph graph = GraphOf({});
+  EXPECT_TRUE(graph.nodes()[graph.IndexOf("mapping")].waits_for_child);
+  EXPECT_THAT(DescendantsOf(graph, "mapping"), Not(testing::Contains("odometric_adjustment")));
+}
+
 TEST(RigRecipe, WithoutMappingAdjustsTheOdometry) {
   PartOptions without;
   without.mapping.method = MappingMethod::kNone;

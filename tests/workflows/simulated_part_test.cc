@@ -117,7 +117,7 @@ class SimulatedPartTest : public testing::Test {
     EXPECT_EQ(summary["frames"]["posed"], 8);
     EXPECT_EQ(summary["frames"]["registered"], summary["frames"]["keyframes"]);
     EXPECT_GT(summary["scale"]["metres_per_model_unit"].get<double>(), 0.0);
-    EXPECT_EQ(summary["stages"].size(), 19U);
+    EXPECT_EQ(summary["stages"].size(), 20U);
     EXPECT_EQ(summary["gates"].size(), 20U);
     EXPECT_TRUE(summary["versions"]["colmap"].is_string());
     EXPECT_EQ(ReadTum(out_ / "trajectory.tum").size(), 8U);
@@ -161,7 +161,7 @@ TEST_F(SimulatedPartTest, IsReusedWholeAndWhatIsMissingIsMadeAgain) {
   RunPart(out_);
   const auto before = Bytes(out_);
   RunPart(out_);
-  EXPECT_EQ(Reused(out_).size(), 19U);
+  EXPECT_EQ(Reused(out_).size(), 20U);
   EXPECT_TRUE(Bytes(out_) == before);
   for (const char* name : {"trajectory.csv", "dense.ply", "evaluation.json"})
     fs::remove(out_ / name);

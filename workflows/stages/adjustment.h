@@ -1,11 +1,12 @@
-// The stage `adjustment`: leaves trajectories, sparse/ and, where the rig was corrected,
-// rig_refined.yaml.
+// The stages `odometric_adjustment` and `adjustment`. The latter leaves trajectories, sparse/ and,
+// where the rig was corrected, rig_refined.yaml.
 #pragma once
 
 #include <string>
 #include <vector>
 
-#include "adjustment/adjust.h"
+#include "adjustment/adjustment_options.h"
+#include "core/enum_names.h"
 #include "dataset/dataset_content.h"
 #include "dead_reckoning/dead_reckoning_options.h"
 #include "features/corner_tracker.h"
@@ -21,25 +22,32 @@
 #include "scene/dataset.h"
 #include "scene/keyframe_graph.h"
 #include "workflows/stages/adjusted_part.h"
-#include "workflows/stages/in_turn.h"
 
 namespace rigmap {
 
 // Which poses the adjustment starts from.
 enum class StartingFrom { kMapping, kOdometry };
 constexpr auto NamesOf(StartingFrom) { return std::array{"mapping", "odometry"}; }
+inline std::string OptionsText(StartingFrom from) { return NameOf(from); }
+
+// From the odometry. Needs no mapping, which may be under way meanwhile.
+using OdometricAdjustmentStage =
+    Stage<AdjustedPart, Takes<Dataset, FeatureStore, Odometry, Correspondences>,
+          Reads<FeatureOptions, CornerOptions, MaskOptions, MatchingOptions, AdjustmentOptions,
+                OdometryOptions, DeadReckoningOptions, FilterOptions>>;
+OdometricAdjustmentStage OdometricAdjustment();
 
 using AdjustmentStage =
     Stage<AdjustedPart,
           Takes<Dataset, DatasetContent, FeatureStore, Odometry, Correspondences, KeyframeGraph,
-                AlignedKeyframes>,
-          Reads<InTurn<StartingFrom>, FeatureOptions, CornerOptions, MaskOptions, MatchingOptions,
+                AlignedKeyframes, AdjustedPart>,
+          Reads<StartingFrom, FeatureOptions, CornerOptions, MaskOptions, MatchingOptions,
                 AdjustmentOptions, OdometryOptions, DeadReckoningOptions, FilterOptions,
                 MappingGateOptions, AdjustmentGateOptions>>;
-// Where what was mapped fails its gates the adjustment starts from the odometry. Where the images
-// correct the rig, the odometry is done anew and loop closures are measured anew with the corrected
-// rig, and the adjustment starts from that, since both erred as the wrong rig did. Else, where a
-// gate on the adjustment fails, it begins again from the other poses.
+// What was adjusted from the odometry, where that is planned, where what was mapped fails its gates
+// and where the images corrected the rig: a mapping with the wrong one errs as that does. Else
+// adjusted from the mapped poses. Where the one fails a gate on the adjustment, the other is taken
+// if it passes.
 AdjustmentStage RigAdjustment();
 // For a recipe in which a later stage publishes poses and points.
 void PublishCalibrationOnly(AdjustmentStage& stage);

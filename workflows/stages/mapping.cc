@@ -107,7 +107,8 @@ MappingStage Mapping() {
           .code = CodeHere(),
           .make = MakeModels,
           .publishes = {"colmap/models"},
-          .report = ReportModels};
+          .report = ReportModels,
+          .waits_for_child = true};
 }
 
 std::vector<Rigid3> OdometricPoses(const Odometry& odometry, const KeyframeGraph& graph) {

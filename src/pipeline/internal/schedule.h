@@ -20,8 +20,7 @@ struct Schedule {
   // Of its code, its options and the keys of what it takes. Nothing where that depends on a source
   // that nobody asked for, now or before.
   std::vector<std::optional<std::string>> keys;
-  std::vector<std::size_t> last_use;  // the last node that takes it; itself if none does
-  std::vector<std::any> sources;      // the values of the selected sources, else empty
+  std::vector<std::any> sources;  // the values of the selected sources, else empty
 };
 
 // Opens the selected sources; throws what they throw, and std::logic_error if the plan names what
