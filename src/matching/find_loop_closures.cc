@@ -25,14 +25,6 @@ struct Proposal {
   StereoPose motion;
 };
 
-std::vector<VisualWord> WordsOf(const FrameFeatures& features, const Vocabulary& vocabulary) {
-  std::vector<VisualWord> words;
-  for (const Descriptor& descriptor : features.descriptors) {
-    words.push_back(vocabulary.WordOf(descriptor));
-  }
-  return words;
-}
-
 class LoopClosureFinder {
  public:
   LoopClosureFinder(const LoopClosureSearch& search, const MatchingOptions& options)
@@ -88,8 +80,8 @@ class LoopClosureFinder {
   PlaceIndex IndexPlaces(const Vocabulary& vocabulary) const {
     std::vector<std::vector<int>> words(keyframes_.size());
     tbb::parallel_for(std::size_t{0}, words.size(), [&](std::size_t i) {
-      for (const VisualWord& word : WordsOf(search_.features(keyframes_[i]), vocabulary)) {
-        words[i].push_back(word.word);
+      for (const Descriptor& descriptor : search_.features(keyframes_[i]).descriptors) {
+        words[i].push_back(vocabulary.WordOf(descriptor));
       }
     });
     return {words, vocabulary.word_count()};
@@ -115,8 +107,8 @@ class LoopClosureFinder {
     SearchedFrame view{.features = search_.features(keyframes_[k])};
     view.points =
         TriangulateFeatures(view.features.features, search_.rig, options_.disparity_noise_px);
-    for (const VisualWord& word : WordsOf(view.features, vocabulary)) {
-      view.groups.push_back(word.branch);
+    for (const Descriptor& descriptor : view.features.descriptors) {
+      view.groups.push_back(vocabulary.BranchOf(descriptor));
     }
     return view;
   }

@@ -34,17 +34,15 @@ Vocabulary::Vocabulary(std::span<const Descriptor> sample) {
   root_ = Grow(vectors, rows, 0);
 }
 
-VisualWord Vocabulary::WordOf(const Descriptor& descriptor) const {
+int Vocabulary::WordOf(const Descriptor& descriptor) const {
   const Vector vector = RootSift(descriptor);
-  VisualWord result;
   int node = root_;
-  while (node >= 0) {
-    const int child = Nearest(nodes_[node], vector);
-    if (node == root_) result.branch = child;
-    node = nodes_[node].children[child];
-  }
-  result.word = -1 - node;
-  return result;
+  while (node >= 0) node = nodes_[node].children[Nearest(nodes_[node], vector)];
+  return -1 - node;
+}
+
+int Vocabulary::BranchOf(const Descriptor& descriptor) const {
+  return root_ < 0 ? 0 : Nearest(nodes_[root_], RootSift(descriptor));
 }
 
 int Vocabulary::Grow(const Vectors& sample, const std::vector<int>& rows, int level) {

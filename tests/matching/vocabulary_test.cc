@@ -39,13 +39,13 @@ TEST(Vocabulary, TellsDescriptorsApartAndKnowsThemAgain) {
   std::set<int> words;
   int again = 0, same_branch = 0;
   for (const Descriptor& descriptor : sample) {
-    const VisualWord word = vocabulary.WordOf(descriptor);
-    ASSERT_GE(word.word, 0);
-    ASSERT_LT(word.word, vocabulary.word_count());
-    words.insert(word.word);
-    const VisualWord noisy = vocabulary.WordOf(SeenAgain(descriptor, random));
-    again += noisy.word == word.word ? 1 : 0;
-    same_branch += noisy.branch == word.branch ? 1 : 0;
+    const int word = vocabulary.WordOf(descriptor);
+    ASSERT_GE(word, 0);
+    ASSERT_LT(word, vocabulary.word_count());
+    words.insert(word);
+    const Descriptor noisy = SeenAgain(descriptor, random);
+    again += vocabulary.WordOf(noisy) == word ? 1 : 0;
+    same_branch += vocabulary.BranchOf(noisy) == vocabulary.BranchOf(descriptor) ? 1 : 0;
   }
   EXPECT_GT(words.size(), 200u);
   EXPECT_GT(again, 1500);
@@ -57,7 +57,7 @@ TEST(Vocabulary, IsTheSameForTheSameSample) {
   const std::vector<Descriptor> sample = Some(500, random);
   const Vocabulary one(sample), other(sample);
   for (const Descriptor& descriptor : sample) {
-    EXPECT_EQ(one.WordOf(descriptor).word, other.WordOf(descriptor).word);
+    EXPECT_EQ(one.WordOf(descriptor), other.WordOf(descriptor));
   }
 }
 
@@ -65,7 +65,8 @@ TEST(Vocabulary, TwinsAndEmptySamplesMakeOneWord) {
   EXPECT_EQ(Vocabulary({}).word_count(), 1);
   const std::vector<Descriptor> twins(100, Descriptor{});
   EXPECT_EQ(Vocabulary(twins).word_count(), 1);
-  EXPECT_EQ(Vocabulary(twins).WordOf(Descriptor{}).word, 0);
+  EXPECT_EQ(Vocabulary(twins).WordOf(Descriptor{}), 0);
+  EXPECT_EQ(Vocabulary(twins).BranchOf(Descriptor{}), 0);
 }
 
 TEST(PlaceIndex, APlaceSeenAgainIsTheMostAlike) {
@@ -84,7 +85,7 @@ TEST(PlaceIndex, APlaceSeenAgainIsTheMostAlike) {
   std::vector<std::vector<int>> words;
   for (const auto& place : places) {
     words.emplace_back();
-    for (const auto& d : place) words.back().push_back(vocabulary.WordOf(d).word);
+    for (const auto& d : place) words.back().push_back(vocabulary.WordOf(d));
   }
   const PlaceIndex index(words, vocabulary.word_count());
   for (int p = 20; p < 30; ++p) {

@@ -9,12 +9,6 @@
 
 namespace rigmap {
 
-// The leaf of the tree that a descriptor falls into, and the child of the root above it.
-struct VisualWord {
-  int word = 0;
-  int branch = 0;
-};
-
 // Hierarchical k-means (Nister and Stewenius 2006) over RootSIFT (Arandjelovic and Zisserman 2012).
 // Equal samples give equal trees.
 class Vocabulary {
@@ -26,8 +20,10 @@ class Vocabulary {
   // descriptor of the sample and level. An empty sample gives one word.
   explicit Vocabulary(std::span<const Descriptor> sample);
 
-  // About 1 us.
-  VisualWord WordOf(const Descriptor& descriptor) const;
+  // The leaf of the tree that a descriptor falls into. About 1 us.
+  int WordOf(const Descriptor& descriptor) const;
+  // The child of the root above that leaf; 0 where there is none.
+  int BranchOf(const Descriptor& descriptor) const;
   int word_count() const { return word_count_; }
 
  private:
