@@ -73,37 +73,69 @@ double Excusing(double sigma, double sigma_if_independent, double limit) {
   return sigma <= limit ? sigma : sigma_if_independent;
 }
 
+// A correction that the images ask for, and by how many of its sigmas it is beyond its limit.
+struct Asked {
+  double value = 0.0;
+  double beyond_sigmas = 0.0;
+};
+
+Asked AskedFor(double value, double sigma, double limit) {
+  return {std::abs(value), std::max(0.0, std::abs(value) - limit) / sigma};
+}
+
+// A gate that a value beyond its limit passes as long as that may be chance.
+Gate SurelyAtMost(std::string name, const std::optional<Asked>& asked, double limit,
+                  double consistency_sigmas, std::string why) {
+  Gate gate = AtMost(std::move(name), std::nullopt, limit, std::move(why));
+  if (!asked) return gate;
+  gate.value = asked->value;
+  gate.passed = asked->beyond_sigmas <= consistency_sigmas;
+  return gate;
+}
+
+Gate BeyondSigmas(std::string name, const std::optional<Asked>& asked, double consistency_sigmas,
+                  std::string why) {
+  const auto sigmas = asked ? std::optional(asked->beyond_sigmas) : std::nullopt;
+  return AtMost(std::move(name), sigmas, consistency_sigmas, std::move(why));
+}
+
 void JudgeConsistency(const GateInputs& inputs, const CalibrationGateOptions& options,
                       Gates& gates) {
-  std::optional<double> turn_deg, turn_sigmas, focal_pct, focal_sigmas;
-  std::string turn_why = "the path cannot determine it", focal_why = turn_why;
+  std::optional<Asked> turn, offset, focal;  // degrees, px, per cent
+  std::string turn_why = "the path cannot determine it", offset_why = turn_why,
+              focal_why = turn_why;
   const double depth_m = MedianDepth(inputs);
   const double max_turn_rad =
       depth_m > 0.0 ? options.max_depth_error_share * inputs.rig.Baseline() / depth_m : 1.0;
+  const double focal_px = inputs.rig.right.camera.MeanFocal();
   const auto step = inputs.adjustment.calibration
                         ? RotationAndFocalStep(*inputs.adjustment.calibration)
                         : std::nullopt;
   if (step) {
     // A correction that the path cannot tell to the limit says nothing.
     if (step->rig_rotation_sigma_if_independent.maxCoeff() < max_turn_rad) {
-      turn_deg = kDegrees * step->rig_rotation.norm();
-      turn_sigmas = 0.0;
+      turn = {kDegrees * step->rig_rotation.norm(), 0.0};
       for (int axis = 0; axis < 3; ++axis) {
         const double sigma = Excusing(step->rig_rotation_sigma(axis),
                                       step->rig_rotation_sigma_if_independent(axis), max_turn_rad);
-        turn_sigmas = std::max(*turn_sigmas, std::abs(step->rig_rotation(axis)) / sigma);
+        const Asked about = AskedFor(step->rig_rotation(axis), sigma, max_turn_rad);
+        turn->beyond_sigmas = std::max(turn->beyond_sigmas, about.beyond_sigmas);
+        if (axis == 1) offset = {focal_px * about.value, about.beyond_sigmas};
       }
       turn_why = fmt::format(
           "the images would turn the right camera by {:.4f} {:.4f} {:.4f} degrees about its x y z",
           kDegrees * step->rig_rotation.x(), kDegrees * step->rig_rotation.y(),
           kDegrees * step->rig_rotation.z());
+      offset_why = fmt::format("the images would change the disparity at infinity by {:+.3f} px",
+                               -focal_px * step->rig_rotation.y());
     }
     const double max_log_focal = options.intrinsics_consistency_pct / 100.0;
     if (step->log_focal_sigma_if_independent < max_log_focal) {
-      focal_pct = 100.0 * std::abs(step->log_focal);
-      focal_sigmas =
-          std::abs(step->log_focal) /
-          Excusing(step->log_focal_sigma, step->log_focal_sigma_if_independent, max_log_focal);
+      focal = AskedFor(
+          step->log_focal,
+          Excusing(step->log_focal_sigma, step->log_focal_sigma_if_independent, max_log_focal),
+          max_log_focal);
+      focal->value *= 100.0;
       focal_why = fmt::format("the images would change the focal lengths by {:+.3f} %",
                               100.0 * step->log_focal);
     }
@@ -112,16 +144,17 @@ void JudgeConsistency(const GateInputs& inputs, const CalibrationGateOptions& op
   // most of it held says little.
   const bool is_diagnostic = inputs.adjustment.refined == RigRefinement::kAllButFocal ||
                              inputs.adjustment.refined == RigRefinement::kAll;
-  const std::size_t first = gates.size();
-  AddEither(AtMost("rig_consistency_deg", turn_deg, kDegrees * max_turn_rad, turn_why),
-            AtMost("rig_consistency_sigmas", turn_sigmas, options.consistency_sigmas, turn_why),
-            gates);
-  AddEither(
-      AtMost("intrinsics_consistency_pct", focal_pct, options.intrinsics_consistency_pct,
-             focal_why),
-      AtMost("intrinsics_consistency_sigmas", focal_sigmas, options.consistency_sigmas, focal_why),
-      gates);
-  for (std::size_t i = first; is_diagnostic && i < gates.size(); ++i) gates[i].passed = true;
+  const double sigmas = options.consistency_sigmas;
+  for (Gate& gate : Gates{
+           SurelyAtMost("infinity_offset_px", offset, focal_px * max_turn_rad, sigmas, offset_why),
+           SurelyAtMost("rig_consistency_deg", turn, kDegrees * max_turn_rad, sigmas, turn_why),
+           BeyondSigmas("rig_consistency_sigmas", turn, sigmas, turn_why),
+           SurelyAtMost("intrinsics_consistency_pct", focal, options.intrinsics_consistency_pct,
+                        sigmas, focal_why),
+           BeyondSigmas("intrinsics_consistency_sigmas", focal, sigmas, focal_why)}) {
+    gate.passed = gate.passed || is_diagnostic;
+    gates.push_back(std::move(gate));
+  }
 }
 
 }  // namespace

@@ -96,6 +96,14 @@ Cause RigIsContradicted(const Failed& failed) {
             std::string(kThisRig)};
   }
   const std::string advice = fmt::format("calibrate the rig anew, or {}", kManyDrives);
+  if (const Gate* gate = failed.Find("infinity_offset_px")) {
+    return {
+        "the images contradict the rig file",
+        fmt::format("depths are off: the images would change the disparity at infinity by {} px "
+                    "(expected: at most {})",
+                    ValueText(*gate), LimitText(*gate)),
+        advice};
+  }
   if (const Gate* gate = failed.Find("rig_consistency_deg")) {
     return {"the images contradict the rig file",
             fmt::format("depths are off: the images would turn the right camera by {} degrees "

@@ -68,16 +68,19 @@ OptionFields CalibrationGateOptions::Fields() {
        "more, by three sigmas. Real rig files that were corrected well were off by 0.2 to 0.7 % (3 "
        "px of 512 in the worst); beyond it is another rig's file, or the images are wrong."},
       {"max_depth_error_share", &max_depth_error_share, "", MoreThan(0.0),
-       "Largest share by which the right eye's rotation may falsify the depth of the median "
-       "point. A turn a shifts disparities by f a, which is a z / b of the depth at z: the limit "
-       "of rig_consistency_deg is this share times b / z, 0.005 degrees at 2.7 m for a baseline "
-       "of 0.12 m. A correction that the images know no better than this limit says nothing, and "
-       "passes."},
+       "Largest share by which the disparity at infinity may falsify the depth of the median "
+       "point, at z: the limit of infinity_offset_px is this share of its disparity f b / z, that "
+       "of "
+       "rig_consistency_deg the turn b / z that shifts disparities as much, 0.005 degrees at 2.7 m "
+       "for a baseline of 0.12 m. A correction that the images know no better than this limit says "
+       "nothing, and passes."},
       {"intrinsics_consistency_pct", &intrinsics_consistency_pct, "per cent", MoreThan(0.0),
        "Correction of the focal lengths that the images ask for. Depths err by the same share."},
       {"consistency_sigmas", &consistency_sigmas, "sigmas", MoreThan(0.0),
-       "Both corrections, of rotation and of focal lengths, are excused below so many of their "
-       "own sigmas: they may be chance."},
+       "By how many of its own sigmas a correction of the rotation, of the disparity at infinity "
+       "or "
+       "of the focal lengths may be beyond its limit: so much may be chance. Their sigmas count "
+       "what tracks and frames share."},
   };
 }
 

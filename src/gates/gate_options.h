@@ -49,7 +49,7 @@ struct CalibrationGateOptions {
   double rig_refinement_share = 0.01;
   double max_depth_error_share = 0.002;
   double intrinsics_consistency_pct = 0.2;
-  double consistency_sigmas = 5.0;
+  double consistency_sigmas = 2.0;
 
   OptionFields Fields();
 };

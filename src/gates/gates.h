@@ -53,8 +53,8 @@ void AddEither(Gate a, Gate b, Gates& gates);
 // The gates on what the adjustment made of it: motion_agreement, reprojection_px, outlier_share.
 Gates JudgeAdjustment(const GateInputs& inputs, const AdjustmentGateOptions& options);
 
-// The gates on the calibration: epipolar_px, rig_refinement_px, rig_consistency,
-// intrinsics_consistency.
+// The gates on the calibration: epipolar_px, rig_refinement_px,
+// infinity_offset_px, rig_consistency, intrinsics_consistency.
 Gates JudgeCalibration(const GateInputs& inputs, const CalibrationGateOptions& options);
 
 // The gates on the trajectory that came of it: predicted, breaks, scale_95_pct, position_95_pct.

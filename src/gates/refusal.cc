@@ -33,7 +33,8 @@ const std::vector<Root>& Roots() {
                             "motion_agreement_pct"};
   static const Names residuals{"reprojection_px", "outlier_share"};
   static const Names shape{"baseline_spread", "baseline_rejected"};
-  static const Names rig{"rig_refinement_px", "rig_consistency_deg", "rig_consistency_sigmas",
+  static const Names rig{"rig_refinement_px",          "infinity_offset_px",
+                         "rig_consistency_deg",        "rig_consistency_sigmas",
                          "intrinsics_consistency_pct", "intrinsics_consistency_sigmas"};
   static const Names registered{"registered"}, dark{"predicted"}, broken{"breaks"},
       depth{"depth_bias_px"}, lenses{"depth_consistency_pct"};

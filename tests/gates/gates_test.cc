@@ -120,7 +120,7 @@ TEST_F(GatesTest, HealthyPartPassesThemAllOnceEach) {
           "baseline_spread", "baseline_rejected", "registered", "predicted", "breaks",
           "position_95_pct", "scale_95_pct", "rig_refinement_px", "motion_agreement_window",
           "motion_agreement_sigmas", "motion_agreement_pct", "reprojection_px", "outlier_share",
-          "epipolar_px", "rig_consistency_deg", "rig_consistency_sigmas",
+          "epipolar_px", "infinity_offset_px", "rig_consistency_deg", "rig_consistency_sigmas",
           "intrinsics_consistency_pct", "intrinsics_consistency_sigmas", "depth_consistency_pct"));
   EXPECT_EQ(FailureReason(All()), "");
 }
@@ -271,18 +271,49 @@ TEST_F(GatesTest, RigTurnIsLimitedByTheDepthErrorItMakes) {
   const double limit_rad = options_.calibration.max_depth_error_share * rig_.Baseline() / kDepth_m;
   EXPECT_NEAR(Judge("rig_consistency_deg").limit, limit_rad * 180.0 / std::numbers::pi, 1e-12);
   Correct({0.0, 0.999 * limit_rad, 0.0}, Eigen::Vector3d::Constant(1e-6), 0.0, 1e-4);
-  EXPECT_GT(*Judge("rig_consistency_sigmas").value, options_.calibration.consistency_sigmas);
+  EXPECT_EQ(Judge("rig_consistency_sigmas").value, 0.0);
   EXPECT_TRUE(Judge("rig_consistency_deg").passed);
   EXPECT_TRUE(Judge("rig_consistency_sigmas").passed);
-  Correct({0.0, 1.001 * limit_rad, 0.0}, Eigen::Vector3d::Constant(1e-6), 0.0, 1e-4);
+  Correct({0.0, limit_rad + 2.1e-6, 0.0}, Eigen::Vector3d::Constant(1e-6), 0.0, 1e-4);
+  EXPECT_NEAR(*Judge("rig_consistency_sigmas").value, 2.1, 1e-9);
   EXPECT_FALSE(Judge("rig_consistency_deg").passed);
   EXPECT_FALSE(Judge("rig_consistency_sigmas").passed);
 }
 
-TEST_F(GatesTest, RigTurnWithinItsSigmasIsExcused) {
+TEST_F(GatesTest, DisparityAtInfinityIsLimitedByThatOfTheMedianPoint) {
+  const double focal_px = rig_.right.camera.MeanFocal();
+  const double median_px = focal_px * rig_.Baseline() / kDepth_m;
+  const double limit_px = options_.calibration.max_depth_error_share * median_px;
+  EXPECT_NEAR(Judge("infinity_offset_px").limit, limit_px, 1e-12);
+  Correct({0.0, 1.5 * limit_px / focal_px, 0.0}, Eigen::Vector3d::Constant(1e-7), 0.0, 1e-4);
+  EXPECT_NEAR(*Judge("infinity_offset_px").value, 1.5 * limit_px, 1e-12);
+  EXPECT_FALSE(Judge("infinity_offset_px").passed);
+  EXPECT_THAT(Judge("infinity_offset_px").why, HasSubstr("by -0."));
+  // Rows and roll are another matter.
+  Correct({1.5 * limit_px / focal_px, 0.0, 0.0}, Eigen::Vector3d::Constant(1e-7), 0.0, 1e-4);
+  EXPECT_TRUE(Judge("infinity_offset_px").passed);
+  EXPECT_FALSE(Judge("rig_consistency_deg").passed);
+}
+
+// Five sigmas of a correction that the images hardly know were once excused.
+TEST_F(GatesTest, OnePerCentOfDepthIsNotExcusedByItsSigmas) {
   const double limit_rad = options_.calibration.max_depth_error_share * rig_.Baseline() / kDepth_m;
-  Correct({0.0, 2.0 * limit_rad, 0.0}, Eigen::Vector3d::Constant(0.5 * limit_rad), 0.0, 1e-4);
-  EXPECT_NEAR(*Judge("rig_consistency_sigmas").value, 4.0, 1e-9);
+  const double one_per_cent_rad = 0.01 * rig_.Baseline() / kDepth_m;
+  Correct({0.0, one_per_cent_rad, 0.0}, Eigen::Vector3d::Constant(0.99 * limit_rad), 0.0, 1e-4);
+  EXPECT_FALSE(Judge("infinity_offset_px").passed);
+  EXPECT_FALSE(Judge("rig_consistency_deg").passed);
+  EXPECT_FALSE(Judge("rig_consistency_sigmas").passed);
+  const double max_log_focal = options_.calibration.intrinsics_consistency_pct / 100.0;
+  Correct(Eigen::Vector3d::Zero(), Eigen::Vector3d::Constant(1e-6), 0.01, 0.99 * max_log_focal);
+  EXPECT_FALSE(Judge("intrinsics_consistency_pct").passed);
+  EXPECT_FALSE(Judge("intrinsics_consistency_sigmas").passed);
+}
+
+TEST_F(GatesTest, RigTurnBeyondItsLimitWithinItsSigmasIsExcused) {
+  const double limit_rad = options_.calibration.max_depth_error_share * rig_.Baseline() / kDepth_m;
+  Correct({0.0, 2.0 * limit_rad, 0.0}, Eigen::Vector3d::Constant(0.51 * limit_rad), 0.0, 1e-4);
+  EXPECT_NEAR(*Judge("rig_consistency_sigmas").value, 1.0 / 0.51, 1e-9);
+  EXPECT_TRUE(Judge("infinity_offset_px").passed);
   EXPECT_TRUE(Judge("rig_consistency_deg").passed);
   EXPECT_TRUE(Judge("rig_consistency_sigmas").passed);
 }
@@ -291,21 +322,21 @@ TEST_F(GatesTest, SigmasThatATrackSharesExcuseUpToTheLimit) {
   const double limit_rad = options_.calibration.max_depth_error_share * rig_.Baseline() / kDepth_m;
   const double max_log_focal = options_.calibration.intrinsics_consistency_pct / 100.0;
   const auto correct = [&] {
-    Correct({0.0, 4.0 * limit_rad, 0.0}, Eigen::Vector3d::Constant(0.1 * limit_rad),
-            4.0 * max_log_focal, 0.1 * max_log_focal);
+    Correct({0.0, 2.5 * limit_rad, 0.0}, Eigen::Vector3d::Constant(0.1 * limit_rad),
+            2.5 * max_log_focal, 0.1 * max_log_focal);
   };
   correct();
-  EXPECT_NEAR(*Judge("rig_consistency_sigmas").value, 40.0, 1e-9);
+  EXPECT_NEAR(*Judge("rig_consistency_sigmas").value, 15.0, 1e-9);
   EXPECT_FALSE(Judge("rig_consistency_sigmas").passed);
   Inflate(9.9);
-  EXPECT_NEAR(*Judge("rig_consistency_sigmas").value, 40.0 / 9.9, 1e-9);
-  EXPECT_NEAR(*Judge("intrinsics_consistency_sigmas").value, 40.0 / 9.9, 1e-9);
+  EXPECT_NEAR(*Judge("rig_consistency_sigmas").value, 15.0 / 9.9, 1e-9);
+  EXPECT_NEAR(*Judge("intrinsics_consistency_sigmas").value, 15.0 / 9.9, 1e-9);
   EXPECT_TRUE(Judge("rig_consistency_sigmas").passed);
   // Beyond it residuals go together because the rig is wrong.
   correct();
   Inflate(10.1);
-  EXPECT_NEAR(*Judge("rig_consistency_sigmas").value, 40.0, 1e-9);
-  EXPECT_NEAR(*Judge("intrinsics_consistency_sigmas").value, 40.0, 1e-9);
+  EXPECT_NEAR(*Judge("rig_consistency_sigmas").value, 15.0, 1e-9);
+  EXPECT_NEAR(*Judge("intrinsics_consistency_sigmas").value, 15.0, 1e-9);
   EXPECT_FALSE(Judge("rig_consistency_sigmas").passed);
   EXPECT_FALSE(Judge("intrinsics_consistency_sigmas").passed);
 }
@@ -316,17 +347,18 @@ TEST_F(GatesTest, RigTurnThatIsHardlyKnownDoesNotApply) {
   EXPECT_FALSE(Judge("rig_consistency_deg").value);
   EXPECT_TRUE(Judge("rig_consistency_deg").passed);
   EXPECT_THAT(Judge("rig_consistency_deg").why, HasSubstr("cannot determine"));
+  EXPECT_FALSE(Judge("infinity_offset_px").value);
 }
 
-TEST_F(GatesTest, FocalCorrectionIsJudgedInPerCentOrSigmas) {
-  Correct(Eigen::Vector3d::Zero(), Eigen::Vector3d::Constant(1e-6), -0.00201, 1e-4);
-  EXPECT_NEAR(*Judge("intrinsics_consistency_pct").value, 0.201, 1e-9);
+TEST_F(GatesTest, FocalCorrectionBeyondItsLimitIsExcusedWithinItsSigmas) {
+  Correct(Eigen::Vector3d::Zero(), Eigen::Vector3d::Constant(1e-6), -0.00221, 1e-4);
+  EXPECT_NEAR(*Judge("intrinsics_consistency_pct").value, 0.221, 1e-9);
+  EXPECT_NEAR(*Judge("intrinsics_consistency_sigmas").value, 2.1, 1e-9);
   EXPECT_FALSE(Judge("intrinsics_consistency_pct").passed);
   EXPECT_FALSE(Judge("intrinsics_consistency_sigmas").passed);
-  Correct(Eigen::Vector3d::Zero(), Eigen::Vector3d::Constant(1e-6), 0.00199, 1e-4);
-  EXPECT_TRUE(Judge("intrinsics_consistency_sigmas").passed);
-  Correct(Eigen::Vector3d::Zero(), Eigen::Vector3d::Constant(1e-6), 0.009, 0.00195);
+  Correct(Eigen::Vector3d::Zero(), Eigen::Vector3d::Constant(1e-6), 0.00219, 1e-4);
   EXPECT_TRUE(Judge("intrinsics_consistency_pct").passed);
+  EXPECT_TRUE(Judge("intrinsics_consistency_sigmas").passed);
   Correct(Eigen::Vector3d::Zero(), Eigen::Vector3d::Constant(1e-6), 0.009, 0.00205);
   EXPECT_FALSE(Judge("intrinsics_consistency_pct").value);
 }
@@ -420,8 +452,8 @@ TEST_F(GatesTest, WhatWasNotDoneDoesNotApplyAndPasses) {
   adjustment_.calibration.reset();
   for (const char* name :
        {"baseline_spread", "baseline_rejected", "registered", "reprojection_px", "outlier_share",
-        "rig_refinement_px", "epipolar_px", "rig_consistency_deg", "rig_consistency_sigmas",
-        "intrinsics_consistency_pct", "intrinsics_consistency_sigmas"}) {
+        "rig_refinement_px", "epipolar_px", "infinity_offset_px", "rig_consistency_deg",
+        "rig_consistency_sigmas", "intrinsics_consistency_pct", "intrinsics_consistency_sigmas"}) {
     EXPECT_FALSE(Judge(name).value) << name;
     EXPECT_TRUE(Judge(name).passed) << name;
   }

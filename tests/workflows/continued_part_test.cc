@@ -110,7 +110,7 @@ TEST_F(ContinuedPart, MovedWithItsDataIsDoneAlready) {
   // Only where the images lie is told anew, for a join.
   EXPECT_THAT(DifferentFrom(before), ElementsAre("joining/input.bin"));
   const json summary = Summary();
-  EXPECT_EQ(summary["stages"].size(), 19U);
+  EXPECT_EQ(summary["stages"].size(), 20U);
   EXPECT_EQ(summary["gates"].size(), 20U);
   // Links lead to where the images are now.
   for (const auto& link : fs::directory_iterator(out_ / "colmap" / "images" / "left")) {
@@ -206,7 +206,7 @@ TEST_F(ContinuedPart, AskedForLessKeepsWhatHoldsAndSaysSo) {
   const ProgramEnd end = Continue({"--set", "gates.epipolar_px=0.000001", "--until", "odometry"});
   EXPECT_EQ(end.exit_code, 3) << end.err;  // what lies there is untrusted still
   EXPECT_EQ(Summary()["status"], "untrusted");
-  EXPECT_EQ(Summary()["stages"].size(), 19U);
+  EXPECT_EQ(Summary()["stages"].size(), 20U);
   EXPECT_THAT(DifferentFrom(before), IsEmpty());
 }
 
