@@ -5,6 +5,7 @@
 #include "workflows/stages/adjustment.h"
 #include "workflows/stages/gates.h"
 #include "workflows/stages/matching.h"
+#include "workflows/stages/odometric_adjustment.h"
 #include "workflows/stages/pose_graph.h"
 #include "workflows/surface_recipe.h"
 

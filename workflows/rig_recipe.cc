@@ -3,6 +3,7 @@
 #include "workflows/stages/adjustment.h"
 #include "workflows/stages/features.h"
 #include "workflows/stages/gates.h"
+#include "workflows/stages/odometric_adjustment.h"
 #include "workflows/stages/odometry.h"
 #include "workflows/stages/pose_graph.h"
 #include "workflows/surface_recipe.h"

@@ -104,7 +104,8 @@ Accuracy AccuracyOf(const Trajectory& trajectory, const Adjustment& adjustment,
     return accuracy;
   }
   const double of_baseline = rig.baseline_sigma_m.value_or(0.0) / rig.Baseline();
-  const double of_all_lengths = std::hypot(of_baseline, beside.calibration_scale_sigma);
+  const double of_all_lengths =
+      std::hypot(of_baseline, beside.calibration_scale_sigma, beside.depth_contradiction);
   const auto scale = adjustment.scale_sigma || !beside.positions_known ? adjustment.scale_sigma
                                                                        : ScaleSigmaOf(trajectory);
   if (is_way && scale)

@@ -80,13 +80,22 @@ std::vector<int> BreaksIn(const GateInputs& inputs) {
   return breaks;
 }
 
+BesideCovariances BesideCovariancesOf(const GateInputs& inputs) {
+  BesideCovariances beside{.positions_known = inputs.positions_known,
+                           .calibration_scale_sigma = inputs.calibration_scale_sigma};
+  if (const auto& depths = inputs.depth_consistency) {
+    beside.depth_contradiction =
+        std::max(depths->radius.depth_pct.value, depths->cells.depth_pct.value) / 100.0;
+  }
+  return beside;
+}
+
 PartFindings FindingsOf(const GateInputs& inputs, const GateOptions& options) {
-  PartFindings findings{
-      .accuracy = AccuracyOf(inputs.trajectory, inputs.adjustment, inputs.rig,
-                             {inputs.positions_known, inputs.calibration_scale_sigma}),
-      .accuracy_asked_pct = options.poses.accuracy_pct,
-      .baseline_m = inputs.rig.Baseline(),
-      .frames = static_cast<int>(inputs.trajectory.size())};
+  PartFindings findings{.accuracy = AccuracyOf(inputs.trajectory, inputs.adjustment, inputs.rig,
+                                               BesideCovariancesOf(inputs)),
+                        .accuracy_asked_pct = options.poses.accuracy_pct,
+                        .baseline_m = inputs.rig.Baseline(),
+                        .frames = static_cast<int>(inputs.trajectory.size())};
   if (inputs.adjustment.IsRigCorrected()) {
     findings.rig_correction_px = inputs.adjustment.correction_px;
   }

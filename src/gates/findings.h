@@ -41,6 +41,9 @@ struct PartFindings {
 // that all behind them share.
 std::vector<int> BreaksIn(const GateInputs& inputs);
 
+// What the gates know of lengths that the trajectory's covariances do not.
+BesideCovariances BesideCovariancesOf(const GateInputs& inputs);
+
 PartFindings FindingsOf(const GateInputs& inputs, const GateOptions& options);
 
 }  // namespace rigmap

@@ -37,8 +37,8 @@ void JudgeBreaks(const GateInputs& inputs, const PoseGateOptions& options, Gates
 }
 
 void JudgeAccuracy(const GateInputs& inputs, const PoseGateOptions& options, Gates& gates) {
-  const Accuracy accuracy = AccuracyOf(inputs.trajectory, inputs.adjustment, inputs.rig,
-                                       {inputs.positions_known, inputs.calibration_scale_sigma});
+  const Accuracy accuracy =
+      AccuracyOf(inputs.trajectory, inputs.adjustment, inputs.rig, BesideCovariancesOf(inputs));
   gates.push_back(AtMost("scale_95_pct", accuracy.scale_95_pct, options.accuracy_pct,
                          "the scale is known to so many per cent (95 %) only"));
   gates.push_back(

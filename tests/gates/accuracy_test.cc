@@ -102,6 +102,17 @@ TEST(AccuracyOf, CountsWhatTheCalibrationLeavesUnknownOfAllLengths) {
   EXPECT_NEAR(found.position_95_m.value(), 1.96 * 0.02 * 5.0, 0.01);
 }
 
+TEST(AccuracyOf, CountsDepthsThatContradictEachOther) {
+  Adjustment adjustment;
+  adjustment.scale_sigma = 0.003;
+  adjustment.scale_sigma_of_noise = 0.001;
+  const Accuracy found =
+      AccuracyOf(Drive(), adjustment, LocCamRig(), {.depth_contradiction = 0.004});
+  EXPECT_NEAR(found.scale_95_pct.value(), 1.96 * 0.5, 1e-9);
+  EXPECT_NEAR(found.noise_95_pct.value(), 0.196, 1e-9);
+  EXPECT_NEAR(found.position_95_m.value(), 1.96 * 0.004 * 5.0, 0.002);
+}
+
 TEST(AccuracyOf, IsInfiniteWhereTheCalibrationLeavesNoLengthKnown) {
   const Accuracy found =
       AccuracyOf(Drive(), {}, LocCamRig(),

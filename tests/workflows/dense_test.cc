@@ -4,6 +4,8 @@
 #include <gmock/gmock.h>
 
 #include "core/error.h"
+#include "dense/dense_matcher.h"
+#include "dense/seen_depths.h"
 #include "tests/support/message_of.h"
 #include "tests/support/simulated_part.h"
 #include "workflows/stages/fusion.h"
@@ -47,6 +49,13 @@ TEST(RequireMemoryForDepthTest, KnowsBeforeAnyFrameIsReadWhatCannotFit) {
   }
   EXPECT_THAT(MessageOf<UsageError>([&] { RequireMemoryForDepth(rig, {}, {}, 512); }),
               HasSubstr("--memory: expected at least "));
+  // However near the things are that the images will show: a wall of stones, say.
+  EXPECT_THAT(MessageOf<UsageError>([&] { RequireMemoryForDepth(rig, {}, {}, 2048); }),
+              AllOf(HasSubstr("--memory: expected at least "), HasSubstr("dense.min_depth_m")));
+  EXPECT_NO_THROW(RequireMemoryForDepth(rig, {}, {}, 4000));
+  const double nearest_m = DepthsSeen(rig, {}).nearest_m;
+  const DenseMatcher matcher(rig, nearest_m, {}, {});
+  EXPECT_EQ(FramesAtOnce(matcher.MegabytesPerFrame(), nearest_m, {4000.0, 4000, 1}), 1);
 }
 
 TEST(RequireMemoryForFusionTest, KnowsBeforeAnyFrameIsReadWhatCannotFit) {

@@ -67,18 +67,6 @@ AdjustedPart Choose(const PartAdjuster& adjuster, const Mapped& mapped, Starting
               Remark(of_mapped, "adjusting from the odometric poses did not mend it"));
 }
 
-AdjustedPart MakeFromOdometry(const StageContext&, const Dataset& dataset,
-                              const FeatureStore& features, const Odometry& odometry,
-                              const Correspondences& matches, const FeatureOptions& of_features,
-                              const CornerOptions& corners, const MaskOptions& masks,
-                              const MatchingOptions& matching, const AdjustmentOptions& options,
-                              const OdometryOptions& odometry_options,
-                              const DeadReckoningOptions& rover, const FilterOptions& filter) {
-  const BridgingOptions bridging{of_features, corners, masks, odometry_options, rover, filter};
-  return PartAdjuster({dataset, features, odometry, matches}, {matching, options, bridging})
-      .From({});
-}
-
 AdjustedPart MakeAdjusted(const StageContext&, const Dataset& dataset, const DatasetContent&,
                           const FeatureStore& features, const Odometry& odometry,
                           const Correspondences& matches, const KeyframeGraph& graph,
@@ -131,17 +119,6 @@ Report ReportAdjusted(const AdjustedPart& part, const Dataset& dataset, const Da
 }
 
 }  // namespace
-
-OdometricAdjustmentStage OdometricAdjustment() {
-  return {
-      .name = "odometric_adjustment",
-      .about =
-          "one pose per frame from the odometry, while COLMAP maps; the rig held and, where the "
-          "images contradict it, corrected between rounds, the odometry and the matches anew "
-          "with it",
-      .code = CodeHere(),
-      .make = MakeFromOdometry};
-}
 
 AdjustmentStage RigAdjustment() {
   std::vector<std::string> publishes = PosesAndPointsOutputs();

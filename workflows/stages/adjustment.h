@@ -1,5 +1,5 @@
-// The stages `odometric_adjustment` and `adjustment`. The latter leaves trajectories, sparse/ and,
-// where the rig was corrected, rig_refined.yaml.
+// The stage `adjustment`: leaves trajectories, sparse/ and, where the rig was corrected,
+// rig_refined.yaml.
 #pragma once
 
 #include <string>
@@ -29,13 +29,6 @@ namespace rigmap {
 enum class StartingFrom { kMapping, kOdometry };
 constexpr auto NamesOf(StartingFrom) { return std::array{"mapping", "odometry"}; }
 inline std::string OptionsText(StartingFrom from) { return NameOf(from); }
-
-// From the odometry. Needs no mapping, which may be under way meanwhile.
-using OdometricAdjustmentStage =
-    Stage<AdjustedPart, Takes<Dataset, FeatureStore, Odometry, Correspondences>,
-          Reads<FeatureOptions, CornerOptions, MaskOptions, MatchingOptions, AdjustmentOptions,
-                OdometryOptions, DeadReckoningOptions, FilterOptions>>;
-OdometricAdjustmentStage OdometricAdjustment();
 
 using AdjustmentStage =
     Stage<AdjustedPart,

@@ -248,9 +248,9 @@ int FramesAtOnce(double frame_mb, double nearest_m, const DenseRoom& room) {
 
 double RequireMemoryForDepth(const StereoRig& rig, const DenseOptions& options,
                              const MaskOptions& masks, int allowed_mb) {
-  // Without a search for what is near a frame needs least.
+  // What the images show is not known yet: as near as a stereo camera sees.
   const double nearest_m =
-      options.min_depth_m > 0.0 ? options.min_depth_m : std::numeric_limits<double>::infinity();
+      options.min_depth_m > 0.0 ? options.min_depth_m : DepthsSeen(rig, {}).nearest_m;
   const DenseMatcher matcher(rig, nearest_m, options, masks);
   FramesAtOnce(matcher.MegabytesPerFrame(), nearest_m,
                {static_cast<double>(allowed_mb), allowed_mb, 1});

@@ -51,7 +51,8 @@ int FramesAtOnce(double frame_mb, double nearest_m, const DenseRoom& room);
 // Of the program itself, whatever it does (docs/traverse.md).
 inline constexpr double kProgramMegabytes = 150.0;
 
-// Throws as FramesAtOnce, for images of this rig whatever they show. What one depth map takes.
+// Throws as FramesAtOnce, for images of this rig however near the things are that they show. What
+// one depth map takes.
 double RequireMemoryForDepth(const StereoRig& rig, const DenseOptions& options,
                              const MaskOptions& masks, int allowed_mb);
 
