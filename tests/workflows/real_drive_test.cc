@@ -160,6 +160,20 @@ TEST_F(RealDrive, ThatIsCutIsJoinedAsIfItWereOne) {
   EXPECT_LE(rms_m(out_), std::max(1.2 * rms_m(whole), rms_m(whole) + 0.001));
 }
 
+// Each half by itself knows its rig too little to be trusted.
+TEST_F(RealDrive, ThatIsCutOnAStreetIsJoinedAsIfItWereOne) {
+  const fs::path truth = data_ / "kitti-street" / "groundtruth_tum.txt";
+  const ProgramEnd end = RunRigmap({"run", "--dataset", data_ / "kitti-street", "--split", "2",
+                                    "--until", "adjustment", "--out", out_, "--quiet"});
+  ASSERT_EQ(end.exit_code, 0) << end.err;
+  EXPECT_EQ(Summary()["worlds"].size(), 1U);
+  const auto metrics = CompareTrajectories(Poses(), ReadTum(truth));
+  ASSERT_TRUE(metrics.aligned && metrics.aligned->scale);
+  EXPECT_LE(100.0 * metrics.aligned->ate_se3_m / metrics.true_path_m, 0.39);
+  const double stated = Summary()["verdict"]["scale_95_pct"];
+  EXPECT_NEAR(*metrics.aligned->scale, 1.0, 0.01 * stated);
+}
+
 // Held by hand over flagstones and leaves, 320 x 240, distorted. Another program's odometry is the
 // second opinion.
 TEST_F(RealDrive, ThroughAGardenAgreesWithAnotherOdometry) {

@@ -5,6 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "colmap/model_io.h"
 #include "core/file.h"
 #include "export/tum.h"
 #include "tests/support/simulated_part.h"
@@ -67,6 +68,12 @@ TEST_F(TraverseTest, PartsBecomeOneWorld) {
   const json evaluation = ReadJson(out_ / "evaluation.json");
   EXPECT_LT(evaluation["ate_se3_m"], 0.005);  // over 2.1 m
   EXPECT_EQ(evaluation["steps"]["parts"]["frames"], 8);
+  for (const char* part : {"part-1.1", "part-1.2"}) {
+    for (const char* when : {"-alone", "-joined"}) {
+      EXPECT_LT(evaluation["steps"][std::string(part) + when]["ate_se3_m"], 0.005) << part << when;
+    }
+  }
+  EXPECT_EQ(ReadModel(out_ / "sparse").images.size(), 16U);
   EXPECT_TRUE(fs::exists(out_ / "dense.ply"));
   const ProgramEnd read = RunProgram(kPython, {RIGMAP_G2O_READER, out_ / "posegraph.g2o"});
   ASSERT_EQ(read.exit_code, 0) << read.err;
