@@ -30,7 +30,7 @@ struct BesideCovariances {
   bool positions_known = true;
   // Relative, of all lengths. Infinite where no length is known: so are the figures then.
   double calibration_scale_sigma = 0.0;
-  // Relative, of all lengths: by how much the metres of one region of the image contradict those of
+  // Relative, of all lengths: by how much the metres of one ring of the image contradict those of
   // another (DepthConsistency). Whichever is right, no length is known better.
   double depth_contradiction = 0.0;
 };

@@ -84,8 +84,8 @@ BesideCovariances BesideCovariancesOf(const GateInputs& inputs) {
   BesideCovariances beside{.positions_known = inputs.positions_known,
                            .calibration_scale_sigma = inputs.calibration_scale_sigma};
   if (const auto& depths = inputs.depth_consistency) {
-    beside.depth_contradiction =
-        std::max(depths->radius.depth_pct.value, depths->cells.depth_pct.value) / 100.0;
+    // Of rings, each of which sees near and far: upper cells see what is too far for per cents.
+    beside.depth_contradiction = depths->radius.depth_pct.value / 100.0;
   }
   return beside;
 }

@@ -459,11 +459,11 @@ TEST_F(GatesTest, WhatWasNotDoneDoesNotApplyAndPasses) {
   }
 }
 
-// Whichever region is right, the other's metres are wrong by so much.
+// Whichever ring is right, the other's metres are wrong by so much.
 TEST_F(GatesTest, NoLengthIsKnownBetterThanDepthsAgree) {
   adjustment_.scale_sigma = 0.0;
   depth_consistency_->radius.depth_pct = {0.3, 0.1};
-  depth_consistency_->cells.depth_pct = {0.2, 0.1};
+  depth_consistency_->cells.depth_pct = {0.7, 0.1};  // of far things, which metres do not rest on
   EXPECT_NEAR(*Judge("scale_95_pct").value, 1.96 * 0.3, 1e-9);
   EXPECT_GT(*Judge("position_95_pct").value, 1.9 * 0.3);
 }
