@@ -114,14 +114,19 @@ void JudgeConsistency(const GateInputs& inputs, const CalibrationGateOptions& op
   if (step) {
     // A correction that the path cannot tell to the limit says nothing.
     if (step->rig_rotation_sigma_if_independent.maxCoeff() < max_turn_rad) {
-      turn = {kDegrees * step->rig_rotation.norm(), 0.0};
+      Eigen::Vector3d sigma;
       for (int axis = 0; axis < 3; ++axis) {
-        const double sigma = Excusing(step->rig_rotation_sigma(axis),
-                                      step->rig_rotation_sigma_if_independent(axis), max_turn_rad);
-        const Asked about = AskedFor(step->rig_rotation(axis), sigma, max_turn_rad);
-        turn->beyond_sigmas = std::max(turn->beyond_sigmas, about.beyond_sigmas);
-        if (axis == 1) offset = {focal_px * about.value, about.beyond_sigmas};
+        sigma(axis) = Excusing(step->rig_rotation_sigma(axis),
+                               step->rig_rotation_sigma_if_independent(axis), max_turn_rad);
       }
+      const Eigen::Vector3d& by = step->rig_rotation;
+      // Of the turn's angle: that of its axes, by their shares of it.
+      const double angle_sigma =
+          by.isZero() ? sigma.y() : by.normalized().cwiseProduct(sigma).norm();
+      turn = AskedFor(by.norm(), angle_sigma, max_turn_rad);
+      turn->value *= kDegrees;
+      offset = AskedFor(by.y(), sigma.y(), max_turn_rad);
+      offset->value *= focal_px;
       turn_why = fmt::format(
           "the images would turn the right camera by {:.4f} {:.4f} {:.4f} degrees about its x y z",
           kDegrees * step->rig_rotation.x(), kDegrees * step->rig_rotation.y(),

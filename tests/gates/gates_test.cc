@@ -295,6 +295,15 @@ TEST_F(GatesTest, DisparityAtInfinityIsLimitedByThatOfTheMedianPoint) {
   EXPECT_FALSE(Judge("rig_consistency_deg").passed);
 }
 
+// Each axis by itself is within the limit.
+TEST_F(GatesTest, TurnsAboutSeveralAxesAddUp) {
+  const double limit_rad = options_.calibration.max_depth_error_share * rig_.Baseline() / kDepth_m;
+  Correct(Eigen::Vector3d::Constant(0.9 * limit_rad), Eigen::Vector3d::Constant(1e-6), 0.0, 1e-4);
+  EXPECT_TRUE(Judge("infinity_offset_px").passed);
+  EXPECT_FALSE(Judge("rig_consistency_deg").passed);
+  EXPECT_FALSE(Judge("rig_consistency_sigmas").passed);
+}
+
 // Five sigmas of a correction that the images hardly know were once excused.
 TEST_F(GatesTest, OnePerCentOfDepthIsNotExcusedByItsSigmas) {
   const double limit_rad = options_.calibration.max_depth_error_share * rig_.Baseline() / kDepth_m;
