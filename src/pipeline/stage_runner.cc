@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
-#include <sys/resource.h>
 
 #include <algorithm>
 #include <chrono>
@@ -16,17 +15,8 @@ namespace {
 namespace fs = std::filesystem;
 using Kind = StageNode::Kind;
 
-constexpr std::size_t kKeptProducts = 2;  // of each stage: this recipe's, and another's
-
 double Now() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
-
-// Largest child so far, of all stages.
-double ChildrenPeakMb() {
-  rusage usage{};
-  getrusage(RUSAGE_CHILDREN, &usage);
-  return static_cast<double>(usage.ru_maxrss) / 1024.0;
 }
 
 }  // namespace
@@ -34,6 +24,7 @@ double ChildrenPeakMb() {
 StageRunner::StageRunner(const StageGraph& graph, fs::path root, RunPlan plan)
     : graph_(graph),
       root_(std::move(root)),
+      files_(root_),
       plan_(std::move(plan)),
       ledger_(ReadLedger(root_)),
       schedule_(MakeSchedule(graph_, plan_, ledger_)),
@@ -41,6 +32,7 @@ StageRunner::StageRunner(const StageGraph& graph, fs::path root, RunPlan plan)
       products_(std::move(schedule_.sources)) {}
 
 void StageRunner::Clear() {
+  files_.RemoveScratch();
   for (const std::string& output : outdated_.outputs) fs::remove_all(root_ / output);
   for (const std::string& stage : outdated_.stages) ledger_.Remove(stage);
   ledger_.recipe = plan_.recipe;
@@ -93,7 +85,7 @@ std::optional<std::size_t> StageRunner::FirstReady(const std::vector<std::size_t
 
 void StageRunner::Do(std::size_t index, Job& job) {
   const StageNode& node = graph_.nodes()[index];
-  if (node.kind != Kind::kSource || node.report) job.LogTo(LogPath(index));
+  if (node.kind != Kind::kSource || node.report) job.LogTo(files_.Log(node.name));
   switch (node.kind) {
     case Kind::kSource:
       return DoSource(index);
@@ -137,8 +129,9 @@ void StageRunner::DoStage(std::size_t index, Job& job) {
   }
   StageNode::Inputs inputs = InputsOf(index);
   if (!graph_.nodes()[index].waits_for_child) return Record(index, Make(index, context, inputs));
-  const auto beside = [this, index, context, inputs = std::move(inputs), log = LogPath(index),
-                       threads = job.threads(), quiet = job.quiet(), sharing = job.sharing()] {
+  const auto beside = [this, index, context, inputs = std::move(inputs),
+                       log = files_.Log(graph_.nodes()[index].name), threads = job.threads(),
+                       quiet = job.quiet(), sharing = job.sharing()] {
     Job own(threads, quiet, sharing);
     own.LogTo(log);
     return own.Run([&] { return Make(index, context, inputs); });
@@ -179,7 +172,7 @@ void StageRunner::FinishFirstUnderWay() {
   Record(first.index, first.made.get());
 }
 
-void StageRunner::Record(std::size_t index, Made made) {
+void StageRunner::Record(std::size_t index, MadeStage made) {
   const StageNode& node = graph_.nodes()[index];
   products_[index] = std::move(made.product);
   StageRecord record{.name = node.name,
@@ -200,32 +193,9 @@ bool StageRunner::IsWhole(std::size_t index, const StageContext& context) {
   return true;
 }
 
-StageRunner::Made StageRunner::Make(std::size_t index, StageContext context,
-                                    const StageNode::Inputs& inputs) const {
-  const StageNode& node = graph_.nodes()[index];
-  const double start_s = Now(), children_before_mb = ChildrenPeakMb();
-  MemoryPeak memory;
-  Publication publication(root_, node.publishes);
-  context.publication = &publication;
-  Made made;
-  try {
-    made.product = node.make(context, inputs);
-    if (node.publish) node.publish(publication, context, made.product, inputs);
-    fs::remove_all(context.scratch);
-    node.keep(ProductPath(index), *schedule_.keys[index], made.product);
-  } catch (...) {
-    Discard(index);
-    throw;
-  }
-  ForgetOlder(node, ProductPath(index));
-  made.published.assign(publication.written().begin(), publication.written().end());
-  made.seconds = Now() - start_s;
-  // The kernel keeps the largest child of all; one that grew it ran in this stage.
-  const double children_mb = ChildrenPeakMb();
-  made.peak_rss_mb =
-      std::max(memory.Megabytes(), children_mb > children_before_mb ? children_mb : 0.0);
-  spdlog::info("done, {:.3f} s", made.seconds);
-  return made;
+MadeStage StageRunner::Make(std::size_t index, const StageContext& context,
+                            const StageNode::Inputs& inputs) const {
+  return MakeStage(graph_.nodes()[index], *schedule_.keys[index], context, inputs, files_);
 }
 
 std::vector<std::string> StageRunner::Publish(std::size_t index, const StageContext& context) {
@@ -235,34 +205,10 @@ std::vector<std::string> StageRunner::Publish(std::size_t index, const StageCont
   try {
     node.publish(publication, context, product, InputsOf(index));
   } catch (...) {
-    Discard(index);
+    files_.Discard(node);
     throw;
   }
   return {publication.written().begin(), publication.written().end()};
-}
-
-// As far as it can be done: the failure that led here matters more.
-void StageRunner::Discard(std::size_t index) const {
-  const StageNode& node = graph_.nodes()[index];
-  std::vector<fs::path> paths{ScratchPath(index)};
-  for (const std::string& name : node.publishes) paths.push_back(root_ / name);
-  for (const fs::path& path : paths) {
-    std::error_code code;
-    fs::remove_all(path, code);
-    if (code) spdlog::warn("what is left of {} cannot be removed: {}", node.name, code.message());
-  }
-}
-
-void StageRunner::ForgetOlder(const StageNode& node, const fs::path& newest) const {
-  std::vector<std::pair<fs::file_time_type, fs::path>> others;
-  for (const auto& entry : fs::directory_iterator(root_ / "stages")) {
-    const std::string name = entry.path().filename().string();
-    if (entry.path() != newest && name.starts_with(node.name + "-")) {
-      others.emplace_back(entry.last_write_time(), entry.path());
-    }
-  }
-  std::ranges::sort(others, std::greater());
-  for (std::size_t i = kKeptProducts - 1; i < others.size(); ++i) fs::remove(others[i].second);
 }
 
 const std::any& StageRunner::Get(std::size_t index) {
@@ -278,7 +224,7 @@ const std::any& StageRunner::Get(std::size_t index) {
   } else {
     product = node.load(ProductPath(index), *schedule_.keys[index]);
     if (!product.has_value()) {  // damaged inside, which only reading it whole showed
-      Made made = Make(index, ContextOf(index), InputsOf(index));
+      MadeStage made = Make(index, ContextOf(index), InputsOf(index));
       product = std::move(made.product);
       if (const StageRecord* valid = ValidRecord(index)) {
         StageRecord record = *valid;
@@ -315,23 +261,15 @@ const StageRecord* StageRunner::ValidRecord(std::size_t index) const {
 }
 
 fs::path StageRunner::ProductPath(std::size_t index) const {
-  return root_ / "stages" /
-         fmt::format("{}-{}.bin", graph_.nodes()[index].name, *schedule_.keys[index]);
-}
-
-fs::path StageRunner::LogPath(std::size_t index) const {
-  return root_ / "logs" / (graph_.nodes()[index].name + ".log");
-}
-
-fs::path StageRunner::ScratchPath(std::size_t index) const {
-  return root_ / "stages" / ("scratch-" + graph_.nodes()[index].name);
+  return files_.Product(graph_.nodes()[index].name, *schedule_.keys[index]);
 }
 
 StageContext StageRunner::ContextOf(std::size_t index) const {
+  const std::string& name = graph_.nodes()[index].name;
   const Job* job = Job::Current();
   return {.root = root_,
-          .log = LogPath(index),
-          .scratch = ScratchPath(index),
+          .log = files_.Log(name),
+          .scratch = files_.Scratch(name),
           .threads = job ? job->threads() : 1,
           .memory_mb = plan_.memory_mb,
           .may_reuse = !schedule_.anew[index],

@@ -8,7 +8,9 @@
 #include <vector>
 
 #include "core/job.h"
+#include "pipeline/internal/make_stage.h"
 #include "pipeline/internal/schedule.h"
+#include "pipeline/internal/stage_files.h"
 #include "pipeline/ledger.h"
 #include "pipeline/run_plan.h"
 #include "pipeline/stage_graph.h"
@@ -46,17 +48,10 @@ class StageRunner {
   const Ledger& ledger() const { return ledger_; }
 
  private:
-  // What a stage has made, published and kept.
-  struct Made {
-    std::any product;
-    std::vector<std::string> published;
-    double seconds = 0.0;
-    double peak_rss_mb = 0.0;
-  };
   // A stage that is at work in a thread of its own.
   struct UnderWay {
     std::size_t index = 0;
-    std::future<Made> made;
+    std::future<MadeStage> made;
   };
 
   void Clear();
@@ -70,13 +65,12 @@ class StageRunner {
   // Of a stage that is kept; nothing where it is to be made.
   std::optional<StageRecord> Reused(std::size_t index, const StageContext& context);
   void FinishFirstUnderWay();
-  void Record(std::size_t index, Made made);
-  Made Make(std::size_t index, StageContext context, const StageNode::Inputs& inputs) const;
+  void Record(std::size_t index, MadeStage made);
+  MadeStage Make(std::size_t index, const StageContext& context,
+                 const StageNode::Inputs& inputs) const;
   std::vector<std::string> Publish(std::size_t index, const StageContext& context);
   // Whether the kept product can be read and what it names is there; it is in memory then.
   bool IsWhole(std::size_t index, const StageContext& context);
-  void Discard(std::size_t index) const;
-  void ForgetOlder(const StageNode& node, const std::filesystem::path& newest) const;
   // The product: as it is in memory, or kept, or made now.
   const std::any& Get(std::size_t index);
   StageNode::Inputs InputsOf(std::size_t index);
@@ -85,13 +79,12 @@ class StageRunner {
   // The record, if it speaks of the node's present key.
   const StageRecord* ValidRecord(std::size_t index) const;
   std::filesystem::path ProductPath(std::size_t index) const;
-  std::filesystem::path LogPath(std::size_t index) const;
-  std::filesystem::path ScratchPath(std::size_t index) const;
   StageContext ContextOf(std::size_t index) const;
   void Put(std::size_t index, StageRecord record);
 
   const StageGraph& graph_;
   std::filesystem::path root_;
+  StageFiles files_;
   RunPlan plan_;
   Ledger ledger_;
   Schedule schedule_;

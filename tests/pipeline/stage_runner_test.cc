@@ -376,6 +376,13 @@ TEST_F(StageRunnerTest, FailureWhileMakingLeavesNothingOfThatStage) {
                                                    "make fusion", "make evaluation"));
 }
 
+TEST_F(StageRunnerTest, RemovesTheScratchThatAKilledRunHasLeft) {
+  Run({});
+  fs::create_directories(root_ / "stages" / "scratch-fusion" / "deep");
+  EXPECT_THAT(Run({.until = "odometry"}), IsEmpty());
+  EXPECT_FALSE(fs::exists(root_ / "stages" / "scratch-fusion"));
+}
+
 // Otherwise a run that was killed between the two would be taken for complete.
 TEST_F(StageRunnerTest, ProductThatWasNotPublishedDoesNotCountAsKept) {
   fails_at = "publish";

@@ -1,8 +1,28 @@
 #include "workflows/stages/fix_stretches.h"
 
+#include <algorithm>
+#include <optional>
+#include <utility>
+
 #include "core/stamp_steps.h"
 
 namespace rigmap {
+
+SplitFixes SplitByTurns(std::vector<GnssFix> fixes) {
+  constexpr StampNs kTurn_ns = 10'000'000'000;
+  std::ranges::stable_sort(fixes, {}, &GnssFix::stamp_ns);
+  SplitFixes split;
+  bool ties = false;
+  std::optional<StampNs> last_turn;
+  for (GnssFix& fix : fixes) {
+    const StampNs turn = fix.stamp_ns / kTurn_ns;
+    // Turns without a fix do not count: one a minute would be all of one kind.
+    if (turn != last_turn) ties = last_turn ? !ties : turn % 2 == 0;
+    last_turn = turn;
+    (ties ? split.tying : split.judging).push_back(std::move(fix));
+  }
+  return split;
+}
 
 std::vector<StampNs> StampsOfFixed(const std::vector<GnssFix>& fixes) {
   std::vector<StampNs> stamps;

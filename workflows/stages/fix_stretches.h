@@ -8,6 +8,13 @@
 
 namespace rigmap {
 
+// Fixes in turns of ten seconds, as far as these hold any: every other turn's tie poses, the others
+// judge them.
+struct SplitFixes {
+  std::vector<GnssFix> tying, judging;
+};
+SplitFixes SplitByTurns(std::vector<GnssFix> fixes);
+
 // Of those that are RTK_FIXED, in their order.
 std::vector<StampNs> StampsOfFixed(const std::vector<GnssFix>& fixes);
 

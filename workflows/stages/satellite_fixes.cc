@@ -22,7 +22,6 @@
 namespace rigmap {
 namespace {
 
-constexpr StampNs kTurn_ns = 10'000'000'000;
 constexpr std::size_t kFewestJudges = 4;  // as many as are needed to tie
 
 double SecondsBetween(StampNs from_ns, StampNs to_ns) {
@@ -270,21 +269,6 @@ void RequireFixes(const std::string& rig_source, bool has_antenna, std::size_t f
   if (fixes == 0) {
     throw DataError("--use-rtk: expected satellite fixes beside the images, found none");
   }
-}
-
-SplitFixes SplitByTurns(std::vector<GnssFix> fixes) {
-  std::ranges::stable_sort(fixes, {}, &GnssFix::stamp_ns);
-  SplitFixes split;
-  bool ties = false;
-  std::optional<StampNs> last_turn;
-  for (GnssFix& fix : fixes) {
-    const StampNs turn = fix.stamp_ns / kTurn_ns;
-    // Turns without a fix do not count: one a minute would be all of one kind.
-    if (turn != last_turn) ties = last_turn ? !ties : turn % 2 == 0;
-    last_turn = turn;
-    (ties ? split.tying : split.judging).push_back(std::move(fix));
-  }
-  return split;
 }
 
 RtkStage TieToFixes() {

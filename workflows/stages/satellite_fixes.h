@@ -7,16 +7,10 @@
 #include "georeference/rtk_alignment.h"
 #include "pipeline/stage.h"
 #include "workflows/stages/adjusted_part.h"
+#include "workflows/stages/fix_stretches.h"
 #include "workflows/stages/joined_parts.h"
 
 namespace rigmap {
-
-// Fixes in turns of ten seconds, as far as these hold any: every other turn's tie poses, the others
-// judge them.
-struct SplitFixes {
-  std::vector<GnssFix> tying, judging;
-};
-SplitFixes SplitByTurns(std::vector<GnssFix> fixes);
 
 struct TiedPart {
   AdjustedPart part;   // as it came, where the fixes are not to be used
