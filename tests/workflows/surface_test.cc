@@ -29,9 +29,12 @@ class SurfaceOfASimulatedPart : public testing::Test {
     folder_ = new TemporaryFolder;
     const ProgramEnd simulated =
         RunProgram(RIGMAP_SIMULATE_PROGRAM,
-                   {"--scene", "rocks", "--path", "s-curve", "--pairs", "14", "--spacing", "0.2",
-                    "--seed", "2", "--image-scale", "0.5", "--clock-offset", "0.4", "--depth-every",
-                    "1000", "--out", folder_->Path() / "simulated", "--quiet"});
+                   {"--scene",        "rocks", "--path",        "s-curve",
+                    "--pairs",        "14",    "--spacing",     "0.2",
+                    "--seed",         "2",     "--image-scale", "0.5",
+                    "--clock-offset", "0.4",   "--interval",    "1.8",
+                    "--depth-every",  "1000",  "--out",         folder_->Path() / "simulated",
+                    "--quiet"});
     ASSERT_EQ(simulated.exit_code, 0) << simulated.err;
     const ProgramEnd end = Run({});
     ASSERT_EQ(end.exit_code, 0) << end.err;
@@ -122,16 +125,13 @@ TEST_F(SurfaceOfASimulatedPart, IsLaidOnItsFixesAndSurvey) {
 }
 
 // GDAL's own tools, at the right place on Earth: Katwijk, 52.21 N, 4.40 E.
-TEST_F(SurfaceOfASimulatedPart, LiesOnTheEarthWhereItsFixesSay) {
-  const json sidecar = json::parse(ReadTextFile(Out() / "georeference.json"));
-  EXPECT_EQ(sidecar["epsg"], 32631);
-  EXPECT_LT(sidecar["sigma"]["horizontal_m"], 0.05);
+void ExpectRastersAtKatwijk(const fs::path& out) {
   const std::map<std::string, std::vector<std::string>> bands{
       {"height.tif", {"height", "sigma", "count", "view_angle"}},
       {"ortho.tif", {"red", "green", "blue", "alpha"}},
       {"terrain.tif", {"slope", "roughness", "step_height", "slope_exceeds_limit"}}};
   for (const auto& [name, expected] : bands) {
-    const ProgramEnd end = RunProgram("gdalinfo", {"-json", Out() / name});
+    const ProgramEnd end = RunProgram("gdalinfo", {"-json", out / name});
     ASSERT_EQ(end.exit_code, 0) << end.err;
     const json info = json::parse(end.out);
     std::vector<std::string> found;
@@ -146,12 +146,49 @@ TEST_F(SurfaceOfASimulatedPart, LiesOnTheEarthWhereItsFixesSay) {
   }
 }
 
-TEST_F(SurfaceOfASimulatedPart, HasARouteThatMapsTake) {
+void ExpectRoutesAtKatwijk(const fs::path& out) {
   for (const char* name : {"route.geojson", "route.kml"}) {
-    const ProgramEnd end = RunProgram("ogrinfo", {"-al", "-so", Out() / name});
+    const ProgramEnd end = RunProgram("ogrinfo", {"-al", "-so", out / name});
     ASSERT_EQ(end.exit_code, 0) << end.err;
     EXPECT_THAT(end.out, testing::ContainsRegex("Extent: \\(4.40[0-9]+, 52.21[0-9]+\\)")) << name;
   }
+}
+
+TEST_F(SurfaceOfASimulatedPart, LiesOnTheEarthWhereItsFixesSay) {
+  const json sidecar = json::parse(ReadTextFile(Out() / "georeference.json"));
+  EXPECT_EQ(sidecar["epsg"], 32631);
+  EXPECT_LT(sidecar["sigma"]["horizontal_m"], 0.05);
+  ExpectRastersAtKatwijk(Out());
+}
+
+// Cut in two, tied by the frames that both have and by its fixes.
+TEST_F(SurfaceOfASimulatedPart, IsTheSameJoinedOfPartsAndTiedToItsFixes) {
+  const fs::path joined = folder_->Path() / "joined";
+  const ProgramEnd end =
+      RunRigmap({"run", "--dataset", folder_->Path() / "simulated" / "data", "--split", "2",
+                 "--overlap", "4", "--accuracy", "2", "--use-rtk", "--truth",
+                 folder_->Path() / "simulated" / "truth", "--out", joined, "--quiet"});
+  ASSERT_EQ(end.exit_code, 0) << end.err;
+  const json use = json::parse(ReadTextFile(joined / "summary.json"))["rtk_use"];
+  EXPECT_GE(use["tying"].get<int>() + use["judging"].get<int>(), 9);
+  // Some ten fixes good to some millimetres cannot better a path good to tenths of one.
+  EXPECT_LT(use["judging_gain_sigmas"], 2.0) << use;
+  EXPECT_FALSE(use["used"]);
+
+  const json evaluation = json::parse(ReadTextFile(joined / "evaluation.json"));
+  EXPECT_LT(evaluation["ate_se3_m"], 0.001);  // over 2.6 m
+  EXPECT_GT(evaluation["map"]["within_1.5m"]["f_1cm"].get<double>(), 0.96);
+  EXPECT_EQ(evaluation["surveyed_rocks"]["found"], evaluation["surveyed_rocks"]["expected"]);
+  EXPECT_GE(evaluation["surveyed_rocks"]["expected"], 2);
+  ExpectRastersAtKatwijk(joined);
+  ExpectRoutesAtKatwijk(joined);
+  const ProgramEnd las = RunProgram(kPython, {RIGMAP_LAS_READER, joined / "dense.las"});
+  ASSERT_EQ(las.exit_code, 0) << las.err;
+  EXPECT_EQ(json::parse(las.out)["count"], ReadPly(joined / "dense.ply").size());
+}
+
+TEST_F(SurfaceOfASimulatedPart, HasARouteThatMapsTake) {
+  ExpectRoutesAtKatwijk(Out());
   // The first pose lies where the grid's coordinates of it say, by PROJ.
   std::istringstream csv(ReadTextFile(Out() / "trajectory_utm.csv"));
   std::string line;

@@ -12,6 +12,7 @@
 #include "core/error.h"
 #include "core/statistics.h"
 #include "gates/accuracy.h"
+#include "georeference/fix_judgement.h"
 #include "georeference/local_frame.h"
 #include "pipeline/code_identity.h"
 #include "pose_graph/fuse_fixes.h"
@@ -22,7 +23,7 @@
 namespace rigmap {
 namespace {
 
-constexpr std::size_t kFewestJudges = 4;  // as many as are needed to tie
+constexpr double kFewestSigmas = 2.0;  // that the judges gain
 
 double SecondsBetween(StampNs from_ns, StampNs to_ns) {
   return 1e-9 * static_cast<double>(to_ns - from_ns);
@@ -45,7 +46,8 @@ class FixTie {
   TiedPart Tie() {
     TiedPart result{part_, ""};
     if (!whole_.alignment) return NotUsed(std::move(result), whole_.why);
-    const auto fused = FuseFixes(part_.trajectory, InEnu(fixes_.tying), Fusion());
+    const auto fused =
+        FuseFixes(part_.trajectory, InEnu(fixes_.tying, *whole_.alignment), Fusion());
     if (!fused) {
       return NotUsed(std::move(result),
                      "fewer than two thirds of the fixes agree with the path of the images");
@@ -54,17 +56,20 @@ class FixTie {
     const auto judged = Judge(*fused);
     if (!judged) {
       return NotUsed(std::move(result),
-                     fmt::format("of the fixes held back, {}, fewer than {} lie beside the path: "
+                     fmt::format("of the fixes held back, {}, fewer than four lie beside the path: "
                                  "nothing would check what the others do to it",
-                                 fixes_.judging.size(), kFewestJudges));
+                                 fixes_.judging.size()));
     }
-    report_["judging_rms_before_m"] = judged->before_m;
-    report_["judging_rms_after_m"] = judged->after_m;
-    // Of equal ones neither is better.
-    if (judged->after_m > judged->before_m) {
-      return NotUsed(std::move(result), fmt::format("the fixes held back would agree with the path "
-                                                    "to {:.4f} m instead of {:.4f} m",
-                                                    judged->after_m, judged->before_m));
+    report_["judging_rms_before_m"] = judged->first_m;
+    report_["judging_rms_after_m"] = judged->second_m;
+    report_["judging_gain_sigmas"] = judged->gain_sigmas;
+    if (judged->gain_sigmas <= kFewestSigmas) {
+      return NotUsed(
+          std::move(result),
+          fmt::format("the fixes held back would agree with the path to {:.4f} m instead of {:.4f} "
+                      "m{}",
+                      judged->second_m, judged->first_m,
+                      judged->gain_sigmas > 0.0 ? ", which may be chance" : ""));
     }
     Move(*fused, result.part);
     report_["used"] = true;
@@ -87,13 +92,14 @@ class FixTie {
     report_["clocks"] = clocks_.Describe();
   }
 
-  std::vector<AntennaFix> InEnu(const std::vector<GnssFix>& fixes) const {
-    const LocalFrame frame(whole_.alignment->plane_origin);
+  std::vector<AntennaFix> InEnu(const std::vector<GnssFix>& fixes,
+                                const RtkAlignment& alignment) const {
+    const LocalFrame frame(alignment.plane_origin);
     std::vector<AntennaFix> result;
     for (const GnssFix& fix : fixes) {
       if (fix.status != kRtkFixed) continue;
       const double time_s = SecondsBetween(part_.trajectory.front().stamp_ns, fix.stamp_ns) -
-                            clocks_.OffsetAt(fix.stamp_ns, whole_.alignment->clock_offset_s);
+                            clocks_.OffsetAt(fix.stamp_ns, alignment.clock_offset_s);
       constexpr double kMinSigma_m = 0.001;
       result.push_back({time_s, frame.ToEnu({fix.latitude_deg, fix.longitude_deg, fix.altitude_m}),
                         fix.sigma_enu_m.cwiseMax(kMinSigma_m)});
@@ -108,7 +114,7 @@ class FixTie {
         Eigen::Quaterniond(Eigen::AngleAxisd(plane.angle_rad, Eigen::Vector3d::UnitZ())),
         {plane.translation.x(), plane.translation.y(), 0.0}};
     std::vector<double> heights;
-    for (const AntennaFix& fix : InEnu(fixes_.tying)) {
+    for (const AntennaFix& fix : InEnu(fixes_.tying, *whole_.alignment)) {
       const auto antenna = AntennaAt(part_.trajectory, fix.time_s, antenna_, options_.max_gap_s);
       if (antenna) heights.push_back(fix.x_in_enu.z() - antenna->z());
     }
@@ -136,47 +142,39 @@ class FixTie {
     return fusion;
   }
 
-  // Horizontal distances of the judging fixes; nothing for those beside no pose.
-  std::vector<std::optional<double>> DistancesOfJudges(const Trajectory& poses,
-                                                       const Rigid3& enu_from_world,
-                                                       double clock_s) const {
-    std::vector<std::optional<double>> distances;
-    for (const AntennaFix& fix : InEnu(fixes_.judging)) {
-      const auto antenna = AntennaAt(poses, fix.time_s - clock_s, antenna_, options_.max_gap_s);
-      auto& distance = distances.emplace_back();
-      if (antenna) distance = (enu_from_world * *antenna - fix.x_in_enu).head<2>().norm();
+  // Horizontal offsets of the path from the judging fixes, laid on the tying ones; nothing for
+  // those beside no pose.
+  std::vector<std::optional<Eigen::Vector2d>> OffsetsFromJudges(
+      const Trajectory& poses, const RtkAlignment& alignment) const {
+    std::vector<std::optional<Eigen::Vector2d>> offsets;
+    for (const AntennaFix& fix : InEnu(fixes_.judging, alignment)) {
+      const auto antenna = AntennaAt(poses, fix.time_s, antenna_, options_.max_gap_s);
+      auto& offset = offsets.emplace_back();
+      if (!antenna) continue;
+      offset =
+          alignment.plane_from_world * Eigen::Vector2d(antenna->head<2>()) - fix.x_in_enu.head<2>();
     }
-    return distances;
+    return offsets;
   }
 
-  // Root mean squares of the same judges. Those that are no fixes at all, by the path as the images
-  // tell it more than ten times the median off, judge nobody. The shifts are those that fit the
-  // tying fixes best.
-  struct Judgement {
-    double before_m = 0.0, after_m = 0.0;
-  };
-  std::optional<Judgement> Judge(const FusedFixes& fused) const {
+  // Both paths are laid on the tying fixes in the same way, clock and all, so that nothing but
+  // their shape is judged.
+  std::optional<FixJudgement> Judge(const FusedFixes& fused) const {
     Trajectory moved = part_.trajectory;
     for (std::size_t i = 0; i < moved.size(); ++i) {
       moved[i].world_from_left = fused.world_from_left[i];
     }
-    const auto before = DistancesOfJudges(part_.trajectory, EnuFromWorld(), 0.0);
-    const auto after = DistancesOfJudges(moved, fused.enu_from_world, fused.clock_offset_s);
-    std::vector<double> there;
-    for (std::size_t i = 0; i < before.size(); ++i) {
-      if (before[i] && after[i]) there.push_back(*before[i]);
+    const RtkFit laid = AlignToRtk(fixes_.tying, moved, antenna_, options_);
+    if (!laid.alignment) return std::nullopt;
+    const auto before = OffsetsFromJudges(part_.trajectory, *whole_.alignment);
+    const auto after = OffsetsFromJudges(moved, *laid.alignment);
+    const std::vector<AntennaFix> fixes = InEnu(fixes_.judging, *whole_.alignment);
+    std::vector<FixBesideTwoPaths> judges;
+    for (std::size_t i = 0; i < fixes.size(); ++i) {
+      if (!before[i] || !after[i]) continue;
+      judges.push_back({*before[i], *after[i], fixes[i].sigma_m.head<2>().maxCoeff()});
     }
-    if (there.size() < kFewestJudges) return std::nullopt;
-    const double limit = 10.0 * Median(there);
-    Judgement sum;
-    int count = 0;
-    for (std::size_t i = 0; i < before.size(); ++i) {
-      if (!before[i] || !after[i] || *before[i] > limit) continue;
-      sum.before_m += *before[i] * *before[i];
-      sum.after_m += *after[i] * *after[i];
-      ++count;
-    }
-    return Judgement{std::sqrt(sum.before_m / count), std::sqrt(sum.after_m / count)};
+    return JudgeByFixes(judges);
   }
 
   void Describe(const FusedFixes& fused) {
