@@ -194,24 +194,31 @@ std::string Table(const Pool& pool, const PooledCalibration& calibration) {
   std::string table = fmt::format(
       "corrected: {}; largest shift in the right image {:.2f} px, disparity at infinity {:+.3f} "
       "px\n"
-      "{:32} {:>12} {:>12} {:>12} {:>12}\n",
+      "{:32} {:>16} {:>16} {:>9} {:>12} {:>9}\n",
       NameOf(calibration.refined), LargestShiftPx(pool.base, pooled),
       DisparityAtInfinity(pooled) - DisparityAtInfinity(pool.base), "part", "infinity px",
-      "others px", "difference", "largest");
+      "others px", "apart px", "difference", "largest");
+  const CalibrationVector prior_sigmas = PriorOf(pool.base, AdjustmentOptions{}).sigmas;
+  const auto infinity_px = [&](const ProbableCorrection& found) {
+    const StereoRig rig = Corrected(pool.base, found.correction);
+    return fmt::format(
+        "{:+.3f} +- {:.3f}", DisparityAtInfinity(rig) - DisparityAtInfinity(pool.base),
+        SigmaOf(DisparityAtInfinity, pool.base, found.correction, prior_sigmas, found.covariance));
+  };
   for (std::size_t i = 0; i < pool.parts.size(); ++i) {
     const WitnessComparison& part = calibration.parts[i];
-    const auto infinity_px = [&](const ProbableCorrection& correction) {
-      return DisparityAtInfinity(Corrected(pool.base, correction.correction)) -
-             DisparityAtInfinity(pool.base);
-    };
-    table += fmt::format("{:32} {:>+12.3f} ", pool.parts[i].name, infinity_px(part.alone));
+    table += fmt::format("{:32} {:>16} ", pool.parts[i].name, infinity_px(part.alone));
     table += pool.parts.size() > 1
-                 ? fmt::format("{:>+12.3f} {:>12.2f} {:>12.2f}\n", infinity_px(part.others),
+                 ? fmt::format("{:>16} {:>9.2f} {:>12.2f} {:>9.2f}\n", infinity_px(part.others),
+                               LargestShiftPx(Corrected(pool.base, part.others.correction),
+                                              Corrected(pool.base, part.alone.correction)),
                                part.square_per_parameter, part.largest_sigmas)
-                 : fmt::format("{:>12} {:>12} {:>12}\n", "-", "-", "-");
+                 : fmt::format("{:>16} {:>9} {:>12} {:>9}\n", "-", "-", "-", "-");
   }
   if (pool.parts.size() == 1) return table;
   return table +
+         "apart: largest shift in the right image between what the part says and what all others "
+         "do: the error that this part, left out, finds in them\n"
          "difference: square per parameter between the part and all others, in units of what both "
          "leave unknown; the same rig has about 1. largest: of the single parameters, in sigmas\n";
 }

@@ -120,9 +120,10 @@ void JudgeConsistency(const GateInputs& inputs, const CalibrationGateOptions& op
                                step->rig_rotation_sigma_if_independent(axis), max_turn_rad);
       }
       const Eigen::Vector3d& by = step->rig_rotation;
-      // Of the turn's angle: that of its axes, by their shares of it.
-      const double angle_sigma =
-          by.isZero() ? sigma.y() : by.normalized().cwiseProduct(sigma).norm();
+      // Of the turn's angle.
+      const Eigen::Vector3d along =
+          (by.isZero() ? Eigen::Vector3d::UnitY() : by.normalized()).cwiseProduct(sigma);
+      const double angle_sigma = std::sqrt(along.dot(step->rig_rotation_correlation * along));
       turn = AskedFor(by.norm(), angle_sigma, max_turn_rad);
       turn->value *= kDegrees;
       offset = AskedFor(by.y(), sigma.y(), max_turn_rad);
@@ -131,8 +132,9 @@ void JudgeConsistency(const GateInputs& inputs, const CalibrationGateOptions& op
           "the images would turn the right camera by {:.4f} {:.4f} {:.4f} degrees about its x y z",
           kDegrees * step->rig_rotation.x(), kDegrees * step->rig_rotation.y(),
           kDegrees * step->rig_rotation.z());
-      offset_why = fmt::format("the images would change the disparity at infinity by {:+.3f} px",
-                               -focal_px * step->rig_rotation.y());
+      offset_why = fmt::format(
+          "the images would change the disparity at infinity by {:+.3f} px (sigma {:.3f} px)",
+          -focal_px * by.y(), focal_px * sigma.y());
     }
     const double max_log_focal = options.intrinsics_consistency_pct / 100.0;
     if (step->log_focal_sigma_if_independent < max_log_focal) {

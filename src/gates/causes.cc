@@ -177,7 +177,8 @@ Cause MotionsDiffer(const Failed& failed) {
                 "map and odometry tell of different motions: a tenth of the steps differ by "
                 "{} % of their length and more (expected: at most {} %)",
                 ValueText(*pct), LimitText(*pct))
-          : "map and odometry tell of different motions for three steps on end (expected: never)";
+          : "map and odometry tell of different motions over three steps, or far in one (expected: "
+            "never)";
   std::string advice = SameMoment(failed);
   if (failed.IsInPieces()) {
     constexpr std::size_t kMostPieces = 2;

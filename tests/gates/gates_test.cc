@@ -304,6 +304,27 @@ TEST_F(GatesTest, TurnsAboutSeveralAxesAddUp) {
   EXPECT_FALSE(Judge("rig_consistency_sigmas").passed);
 }
 
+// Axes that err together are known worse along their sum, and better along their difference, than
+// their sigmas by themselves say.
+TEST_F(GatesTest, TheSigmaOfATurnKnowsHowItsAxesGoTogether) {
+  const double limit_rad = options_.calibration.max_depth_error_share * rig_.Baseline() / kDepth_m;
+  const double sigma_rad = 0.4 * limit_rad;
+  const auto turn = [&](double x, double y, double correlation) {
+    Correct(limit_rad * Eigen::Vector3d{x, y, 0.0}, Eigen::Vector3d::Constant(sigma_rad), 0.0,
+            1e-4);
+    Eigen::Matrix2d covariance = Eigen::Matrix2d::Constant(correlation * sigma_rad * sigma_rad);
+    covariance.diagonal().setConstant(sigma_rad * sigma_rad);
+    CalibrationEquations& equations = *adjustment_.calibration;
+    const Eigen::Vector4d step(limit_rad * x, limit_rad * y, 0.0, 0.0);
+    equations.information.topLeftCorner<2, 2>() = covariance.inverse();
+    equations.score.head<4>() = equations.information.topLeftCorner<4, 4>() * step;
+    return *Judge("rig_consistency_sigmas").value;
+  };
+  const double beyond = std::hypot(0.9, 0.9) - 1.0;
+  EXPECT_NEAR(turn(0.9, 0.9, 0.9), beyond / (0.4 * std::sqrt(1.9)), 1e-6);
+  EXPECT_NEAR(turn(0.9, -0.9, 0.9), beyond / (0.4 * std::sqrt(0.1)), 1e-6);
+}
+
 // Five sigmas of a correction that the images hardly know were once excused.
 TEST_F(GatesTest, OnePerCentOfDepthIsNotExcusedByItsSigmas) {
   const double limit_rad = options_.calibration.max_depth_error_share * rig_.Baseline() / kDepth_m;

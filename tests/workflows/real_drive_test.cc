@@ -36,6 +36,20 @@ class RealDrive : public testing::Test {
   }
   json Summary() const { return json::parse(ReadTextFile(out_ / "summary.json")); }
   std::vector<TumPose> Poses() const { return ReadTum(out_ / "trajectory.tum"); }
+  // Per cent of the path, and per cent of scale, beside the published poses of the street.
+  struct Errors {
+    double ate_pct = 0.0, scale_pct = 0.0;
+  };
+  Errors OnTheStreet() const {
+    const auto metrics =
+        CompareTrajectories(Poses(), ReadTum(data_ / "kitti-street" / "groundtruth_tum.txt"));
+    if (!metrics.aligned || !metrics.aligned->scale) {
+      ADD_FAILURE() << "no alignment";
+      return {};
+    }
+    return {100.0 * metrics.aligned->ate_se3_m / metrics.true_path_m,
+            100.0 * std::abs(*metrics.aligned->scale - 1.0)};
+  }
 
   fs::path data_;
   TemporaryFolder folder_;
@@ -110,8 +124,10 @@ TEST_F(RealDrive, OfEveryOtherKeyframeInARoomLosesNone) {
   EXPECT_EQ(Summary()["frames"]["posed"], 25);
   const auto metrics =
       CompareTrajectories(Poses(), ReadTum(data_ / "euroc-room" / "groundtruth_tum.txt"));
-  ASSERT_TRUE(metrics.aligned);
+  ASSERT_TRUE(metrics.aligned && metrics.aligned->scale);
   EXPECT_LE(100.0 * metrics.aligned->ate_se3_m / metrics.true_path_m, 0.08);
+  const double stated = Summary()["verdict"]["scale_95_pct"];
+  EXPECT_NEAR(*metrics.aligned->scale, 1.0, 0.01 * (stated + 1.0));
 }
 
 // What a motion between two poses is off from the true one, metres.
@@ -160,34 +176,70 @@ TEST_F(RealDrive, ThatIsCutIsJoinedAsIfItWereOne) {
   EXPECT_LE(rms_m(out_), std::max(1.2 * rms_m(whole), rms_m(whole) + 0.001));
 }
 
+// The first half tells the rig, the second one takes its word for it.
+TEST_F(RealDrive, ThatIsCalibratedByItsFirstHalfIsTrusted) {
+  const auto half = [&](const char* frames, const char* name,
+                        const std::vector<std::string>& more = {}) {
+    std::vector<std::string> arguments{
+        "part",       "--dataset", data_ / "sand-line",   "--frames", frames, "--until",
+        "adjustment", "--out",     folder_.Path() / name, "--quiet"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const ProgramEnd end = RunRigmap(arguments);
+    EXPECT_EQ(end.exit_code, 0) << name << ": " << end.err;
+    return folder_.Path() / name;
+  };
+  const auto rms_m = [&](const fs::path& out) {
+    const auto end = RunRigmap({"evaluate", out, "--truth", data_ / "sand-line", "--json"});
+    return json::parse(end.out)["rms_se2_m"].get<double>();
+  };
+  const fs::path first = half("0:63", "first"), second = half("63:127", "second");
+  const ProgramEnd both =
+      RunRigmap({"calibrate", first, second, "--rig-out", folder_.Path() / "both.yaml"});
+  ASSERT_EQ(both.exit_code, 0) << both.err;
+  int rows = 0;
+  std::istringstream table(both.out);
+  for (std::string line; std::getline(table, line);) {
+    if (!line.starts_with(folder_.Path().string())) continue;
+    ++rows;
+    EXPECT_LE(std::stod(line.substr(line.rfind(' '))), 3.0) << both.out;  // sigmas
+  }
+  EXPECT_EQ(rows, 2) << both.out;
+  const fs::path rig = folder_.Path() / "first.yaml";
+  ASSERT_EQ(RunRigmap({"calibrate", first, "--rig-out", rig}).exit_code, 0);
+  const fs::path told = half("63:127", "told", {"--rig", rig});
+  const json summary = json::parse(ReadTextFile(told / "summary.json"));
+  EXPECT_LT(std::abs(summary["rig"]["infinity_offset_px"].get<double>()), 0.1);
+  // The prism itself is good to some millimetres.
+  EXPECT_LE(rms_m(told), rms_m(second) + 0.001);
+}
+
 // Each half by itself knows its rig too little to be trusted.
 TEST_F(RealDrive, ThatIsCutOnAStreetIsJoinedAsIfItWereOne) {
-  const fs::path truth = data_ / "kitti-street" / "groundtruth_tum.txt";
   const ProgramEnd end = RunRigmap({"run", "--dataset", data_ / "kitti-street", "--split", "2",
                                     "--until", "adjustment", "--out", out_, "--quiet"});
   ASSERT_EQ(end.exit_code, 0) << end.err;
   EXPECT_EQ(Summary()["worlds"].size(), 1U);
-  const auto metrics = CompareTrajectories(Poses(), ReadTum(truth));
-  ASSERT_TRUE(metrics.aligned && metrics.aligned->scale);
-  EXPECT_LE(100.0 * metrics.aligned->ate_se3_m / metrics.true_path_m, 0.39);
-  const double stated = Summary()["verdict"]["scale_95_pct"];
-  EXPECT_NEAR(*metrics.aligned->scale, 1.0, 0.01 * stated);
+  const Errors errors = OnTheStreet();
+  EXPECT_LE(errors.ate_pct, 0.39);
+  EXPECT_LE(errors.scale_pct, Summary()["verdict"]["scale_95_pct"]);
 }
 
 // Held by hand over flagstones and leaves, 320 x 240, distorted. Another program's odometry is the
-// second opinion.
-TEST_F(RealDrive, ThroughAGardenAgreesWithAnotherOdometry) {
-  const ProgramEnd end = Run("backyard", {"--frames", "0:90"});
+// second opinion; it ends two pairs before the images do.
+class RealGarden : public RealDrive, public testing::WithParamInterface<std::size_t> {};
+
+TEST_P(RealGarden, AgreesWithAnotherOdometry) {
+  const ProgramEnd end = Run("backyard", {"--frames", "0:" + std::to_string(GetParam())});
   EXPECT_EQ(end.exit_code, 0) << end.err;
   std::ifstream file(data_ / "backyard" / "boofcv_vo_positions.txt");
   const std::vector<TumPose> poses = Poses();
-  ASSERT_EQ(poses.size(), 90U);
+  ASSERT_EQ(poses.size(), GetParam());
   std::vector<TumPose> other;
   Eigen::Vector3d x;
   while (other.size() < poses.size() && file >> x.x() >> x.y() >> x.z()) {
     other.push_back({poses[other.size()].stamp_ns, {Eigen::Quaterniond::Identity(), x}});
   }
-  ASSERT_EQ(other.size(), poses.size());
+  ASSERT_GE(other.size() + 2, poses.size());
   const auto metrics = CompareTrajectories(poses, other);
   ASSERT_TRUE(metrics.aligned && metrics.aligned->scale);
   EXPECT_LE(metrics.aligned->ate_se3_m, 0.06);
@@ -195,6 +247,8 @@ TEST_F(RealDrive, ThroughAGardenAgreesWithAnotherOdometry) {
   const json summary = Summary();
   EXPECT_LT(summary["verdict"]["position_95_m"].get<double>(), 0.1);
 }
+
+INSTANTIATE_TEST_SUITE_P(HalfAndWhole, RealGarden, testing::Values(90, 191));
 
 // With the rig file as it is the path comes out 9 % longer.
 TEST_F(RealDrive, RoundABendMendsTheRigAndIsMetric) {
@@ -221,13 +275,30 @@ TEST_F(RealDrive, AlongAStreetMendsTheLensAndNotTheFocalLength) {
   EXPECT_GT(summary["rig"]["lens_field_rms_px"], 0.03);
   // Without the field 0.058 px.
   EXPECT_LE(summary["depth_consistency"]["radius"]["systematic_px"].get<double>(), 0.02);
-  const auto metrics =
-      CompareTrajectories(Poses(), ReadTum(data_ / "kitti-street" / "groundtruth_tum.txt"));
-  ASSERT_TRUE(metrics.aligned && metrics.aligned->scale);
-  EXPECT_LE(100.0 * metrics.aligned->ate_se3_m / metrics.true_path_m, 0.39);
-  const double stated = summary["verdict"]["scale_95_pct"];
-  EXPECT_LT(stated, 1.0);
-  EXPECT_NEAR(*metrics.aligned->scale, 1.0, 0.01 * stated);
+  const Errors errors = OnTheStreet();
+  EXPECT_LE(errors.ate_pct, 0.39);
+  EXPECT_LT(errors.scale_pct, summary["verdict"]["scale_95_pct"]);
+  EXPECT_LT(summary["verdict"]["scale_95_pct"], 1.0);
+  ASSERT_EQ(Run("kitti-street", {"--set", "adjustment.refine_rig=none", "--force"}).exit_code, 3);
+  EXPECT_LE(errors.ate_pct, OnTheStreet().ate_pct);
+  EXPECT_LE(errors.scale_pct, OnTheStreet().scale_pct);
+}
+
+// Where a rig file is contradicted, correcting it must not be worse than to leave it; and what a
+// user may try next must not end in an error beyond what is stated, with exit code 0.
+TEST_F(RealDrive, AlongStretchesOfAStreetIsNoWorseThanWithTheRigHeld) {
+  for (const char* frames : {"0:40", "40:101"}) {
+    const auto run = [&](const char* refine_rig) {
+      const std::string option = std::string("adjustment.refine_rig=") + refine_rig;
+      const ProgramEnd end = Run("kitti-street", {"--frames", frames, "--set", option, "--force"});
+      EXPECT_EQ(end.exit_code, 3) << frames << " " << refine_rig << ": " << end.err;
+      return OnTheStreet();
+    };
+    const Errors corrected = run("auto"), held = run("none");
+    EXPECT_LE(corrected.ate_pct, held.ate_pct) << frames;
+    EXPECT_LE(corrected.scale_pct, held.scale_pct) << frames;
+    if (frames[0] == '0') run("rotation");
+  }
 }
 
 }  // namespace
