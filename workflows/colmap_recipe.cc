@@ -24,12 +24,11 @@ StageGraph ColmapRecipe(const Dataset& data, const DatasetContent& data_content,
   const auto odometry = g.AddStage(VisualOdometry(), Reading(o.odometry), dataset, features);
 
   // verified correspondences -> COLMAP's database -> poses in COLMAP's gauge -> metres
-  const auto keyframes =
-      AddMappedKeyframes(g, o, {dataset, colmap, features, odometry}, MappingMethod::kTriangulate);
+  const auto keyframes = AddMappedKeyframes(g, o, {dataset, colmap, features, odometry});
 
   // laid into the world as they are
-  const auto part = g.AddStage(MappedTrajectory(), Reading(), dataset, odometry, keyframes.graph,
-                               keyframes.models, keyframes.aligned);
+  const auto part = g.AddStage(MappedTrajectory(), Reading(o.mapping), dataset, odometry,
+                               keyframes.graph, keyframes.models, keyframes.aligned);
   const auto gates = g.AddCheck(MappedGates(),
                                 Reading(o.gates.mapping, o.gates.poses, o.gates.adjustment,
                                         o.gates.calibration, o.adjustment),

@@ -5,18 +5,14 @@
 
 namespace rigmap {
 
-MappedKeyframes AddMappedKeyframes(StageGraph& g, const PartOptions& o, const MappingInputs& in,
-                                   MappingMethod otherwise) {
+MappedKeyframes AddMappedKeyframes(StageGraph& g, const PartOptions& o, const MappingInputs& in) {
   const auto& [dataset, colmap, features, odometry] = in;
   // verified correspondences -> COLMAP's database -> poses in COLMAP's gauge -> metres
   const auto matches = g.AddStage(Matching(), Reading(o.matching), dataset, features, odometry);
   const auto graph =
       g.AddStage(Database(), Reading(o.keyframe_graph), colmap, dataset, odometry, matches);
-  const InTurn mapping_ways{o.mapping.method, otherwise};
-  const auto models = g.AddStage(
-      Mapping(),
-      Reading(mapping_ways, o.mapping, o.matching.verification, o.scale, o.gates.mapping), colmap,
-      dataset, odometry, matches, graph);
+  const auto models = g.AddStage(Mapping(), Reading(o.mapping, o.matching.verification, o.scale),
+                                 colmap, dataset, odometry, matches, graph);
   const auto aligned = g.AddStage(Scale(), Reading(), odometry, graph, models);
   return {matches, graph, models, aligned};
 }

@@ -22,9 +22,8 @@ struct MappedKeyframes {
   Node<AlignedKeyframes> aligned;
 };
 
-// Adds matching, database, mapping and scale. Models that fail a gate are made in the way
-// `otherwise`.
+// Adds matching, database, mapping and scale.
 MappedKeyframes AddMappedKeyframes(StageGraph& graph, const PartOptions& options,
-                                   const MappingInputs& inputs, MappingMethod otherwise);
+                                   const MappingInputs& inputs);
 
 }  // namespace rigmap

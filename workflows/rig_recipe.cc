@@ -28,7 +28,7 @@ StageGraph RigRecipe(const Dataset& data, const DatasetContent& data_content,
   // verified correspondences -> COLMAP's database -> poses in COLMAP's gauge -> metres; where these
   // fail a gate, the adjustment starts from the odometry
   const auto [matches, graph, models, aligned] =
-      AddMappedKeyframes(g, o, {dataset, colmap, features, odometry}, o.mapping.method);
+      AddMappedKeyframes(g, o, {dataset, colmap, features, odometry});
 
   // one pose per frame, the rig held -> trajectory and sparse model
   const auto from_odometry =

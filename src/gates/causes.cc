@@ -220,6 +220,16 @@ Cause ChainsDiffer(const Failed& failed) {
       "--technique rig, which also follows what is drawn on the surface"};
 }
 
+Cause LengthsDiffer(const Failed& failed) {
+  const Gate& gate = *failed.Find("length_pct");
+  return {"poses and odometry tell of ways of different length",
+          fmt::format("poses and odometry tell of ways of different length: by {} % (expected: at "
+                      "most {} %)",
+                      ValueText(gate), LimitText(gate)),
+          "let --technique rig, which holds every frame to the rig and lets the images correct it, "
+          "tell which is right"};
+}
+
 Cause DepthsDisagree(const Failed& failed) {
   const Gate& gate = *failed.Find("depth_consistency_pct");
   return {"stereo and motion tell of different depths",

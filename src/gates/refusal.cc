@@ -38,24 +38,25 @@ const std::vector<Root>& Roots() {
                          "intrinsics_consistency_pct", "intrinsics_consistency_sigmas"};
   static const Names registered{"registered"}, dark{"predicted"}, broken{"breaks"},
       depth{"depth_bias_px"}, lenses{"depth_consistency_pct"};
-  static const Names closure{"closure_sigmas", "closure_pct"};
-  static const Names clouds = Joined({{"unheld"}, closure});
+  static const Names closure{"closure_sigmas", "closure_pct"}, length{"length_pct"};
+  static const Names clouds = Joined({{"unheld"}, closure, length});
   static const std::vector<Root> roots{
       {RigDoesNotFit,
        {"epipolar_px"},
        Joined({dark, broken, rig, registered, shape, residuals, clouds, motion, lenses, sigmas,
                depth})},
       {SensorsContradict, {"sensors_contradict"}, Joined({motion, sigmas})},
-      {CloudsSlide, {"unheld"}, Joined({dark, broken, closure, motion, sigmas})},
+      {CloudsSlide, {"unheld"}, Joined({dark, broken, closure, length, motion, sigmas})},
       {NothingToFollow, dark, Joined({broken, registered, sigmas}), true},
       {WayIsBroken, broken, Joined({registered, sigmas}), true},
       {RigIsContradicted, rig,
        Joined({registered, shape, residuals, clouds, motion, lenses, sigmas, depth})},
-      {ChainsDiffer, closure, Joined({motion, sigmas})},
+      {ChainsDiffer, closure, Joined({length, motion, sigmas})},
       {FewRegistered, registered, Joined({shape, motion, sigmas})},
       {MapIsBent, shape, Joined({motion, lenses, sigmas})},
       {MatchesContradict, residuals, Joined({motion, lenses, sigmas})},
-      {MotionsDiffer, motion, Joined({lenses, sigmas}), true},
+      {MotionsDiffer, motion, Joined({length, lenses, sigmas}), true},
+      {LengthsDiffer, length, sigmas},
       {DepthsDisagree, lenses, sigmas},
       {NotAsGoodAsAsked, sigmas, {}, false, true},
       {DenseDiffers, depth, {}, false, true},

@@ -190,6 +190,24 @@ TEST_F(ContinuedPart, AskedToBeBetterThanItIsMakesNothingElseAnewAndSaysSo) {
   EXPECT_EQ(Continue({"--accuracy", "50"}).exit_code, 0);
 }
 
+TEST_F(ContinuedPart, SaysThatItsMetresRestOnTheBaseline) {
+  EXPECT_THAT(Summary()["verdict"]["text"].get<std::string>(),
+              testing::MatchesRegex("metres good to .* % and positions to .* \\(95 %\\); .*"
+                                    "if the baseline is [0-9.]+ mm"));
+  // Of one whose sigma the rig file states that counts in them.
+  const fs::path data = CopyOfSimulatedPart(folder_.Path());
+  const double stated = Summary()["verdict"]["scale_95_pct"];
+  const std::string rig = ReadTextFile(data / "calib.yaml");
+  WriteTestFile(data / "calib.yaml", rig + "sigmas: {baseline_m: 0.0012}\n");
+  const fs::path out = folder_.Path() / "stated";
+  ASSERT_NE(Run(RIGMAP_PROGRAM, out, data, {"--until", "adjustment"}).exit_code, 1);
+  const json verdict = json::parse(ReadTextFile(out / "summary.json"))["verdict"];
+  EXPECT_THAT(verdict["text"].get<std::string>(),
+              testing::EndsWith("the baseline's sigma counted"));
+  const double of_baseline = 1.960 * 100.0 * 0.0012 / verdict["known"]["baseline_m"].get<double>();
+  EXPECT_NEAR(verdict["scale_95_pct"], std::hypot(stated, of_baseline), 0.05 * of_baseline);
+}
+
 TEST_F(ContinuedPart, OfOtherFramesIsRefusedAndNothingIsLost) {
   const auto before = Published();
   const std::string summary = ReadTextFile(out_ / "summary.json");

@@ -60,6 +60,17 @@ TEST_F(FailingColmap, IsNamedWithItsEndAndTheNextRunIsAsIfNothingHadBeen) {
   EXPECT_TRUE(ResultOf(out_) == ResultOf(undisturbed_));
 }
 
+// Its triangulator is another way, which `rig` takes; the technique that is nothing but its mapping
+// has none.
+TEST_F(FailingColmap, WhoseMapperAloneGivesUpIsAnErrorWhereItsMappingIsAskedFor) {
+  const std::string script = "[ \"$1\" = mapper ] && exit 1\nexec " + Real() + " \"$@\"";
+  EXPECT_EQ(RunWith(script, {"--until", "adjustment"}).exit_code, 0);
+  const ProgramEnd end = RunWith(script, {"--technique", "colmap", "--until", "trajectory"});
+  EXPECT_EQ(end.exit_code, 1);
+  EXPECT_THAT(end.LastErrorLine(), HasSubstr("expected a model of COLMAP's mapping (seeded), found "
+                                             "none: "));
+}
+
 TEST_F(FailingColmap, ThatHangsIsKilled) {
   EXPECT_THAT(FailsWith("exec sleep 1000", {"--set", "colmap.patience_s=0.5"}),
               HasSubstr("was killed after"));

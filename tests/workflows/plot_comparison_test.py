@@ -6,6 +6,7 @@ usage: plot_comparison_test.py TOOLS
 import json
 import pathlib
 import re
+import struct
 import subprocess
 import sys
 import tempfile
@@ -68,6 +69,36 @@ class PlotComparison(unittest.TestCase):
         # From above, from the side and in the legend.
         self.assertEqual(len(drawn), 3 * 12)
         self.assertEqual(len(set(drawn)), 12)
+
+    def test_more_parts_than_colours_differ_in_their_marks(self):
+        plots = self.plotted('part,technique,setting,repeat,run,truth,status,ate_se3_pct\n' +
+                             ''.join(f'p{i:02},vo,,0,r{i},,failed,{0.1 * i + 0.1}\n' for i in range(12)))
+        # A mark is a shape, kept once, in a colour.
+        shapes = dict(re.findall(r'<path id="(\w+)" d="([^"]+)"', plots['spread.svg']))
+        used = re.findall(r'<use xlink:href="#(\w+)"[^>]*style="fill: (#\w+)', plots['spread.svg'])
+        marks = {(shapes[name], colour) for name, colour in used if colour != '#000000'}
+        self.assertEqual(len(marks), 12)
+
+    def test_rocks_are_drawn_where_they_are_and_where_they_were_surveyed(self):
+        self.run_of('a', False)
+        truth = self.root / 'truth' / 'Part1'
+        truth.mkdir(parents=True)
+        (truth / 'trajectory.tum').write_text((self.root / 'a' / 'trajectory.tum').read_text())
+        (truth.parent / 'rocks.json').write_text(json.dumps({'rocks': [{'x': 5.0, 'y': 1.0, 'width': 0.5}]}))
+        (self.root / 'a' / 'evaluation.json').write_text(json.dumps({'surveyed_rocks': {'each': [
+            {'found': True, 'x_m': 5.0, 'y_m': 1.0, 'limit_m': 0.3},
+            {'found': False, 'x_m': 9.0, 'y_m': 2.0, 'limit_m': 0.3}]}}))
+        header = ('ply\nformat binary_little_endian 1.0\nelement vertex 2\n' +
+                  ''.join(f'property float {name}\n' for name in 'xyz') +
+                  ''.join(f'property uchar {name}\n' for name in ('red', 'green', 'blue')) +
+                  'end_header\n')
+        points = b''.join(struct.pack('<3f3B', *at, 200, 180, 160) for at in ((4, 1, 0), (6, 1, 0)))
+        (self.root / 'a' / 'dense.ply').write_bytes(header.encode() + points)
+        plots = self.plotted('part,technique,setting,repeat,run,truth,status\n'
+                             f'1,rig,,0,a,{truth / "trajectory.tum"},ok\n')
+        name = next(name for name in plots if 'map' in name)
+        for label in ('true rocks', 'surveyed rocks, found', 'surveyed rocks, not found'):
+            self.assertIn(f'<!-- {label} -->', plots[name])
 
 
 if __name__ == '__main__':

@@ -64,6 +64,11 @@ TEST_F(RealDrive, InASandYardMendsItsWrongRigFile) {
   EXPECT_NEAR(summary["rig"]["infinity_offset_px"], 3.2, 0.5);
   EXPECT_GT(summary["rig"]["prior_factor"], 1.3);
   EXPECT_EQ(summary["frames"]["posed"], 127);
+  EXPECT_THAT(summary["verdict"]["text"].get<std::string>(),
+              testing::MatchesRegex("metres good to 0\\.[0-9]+ % and positions to .* \\(95 %\\); "
+                                    "the rig file was off by .* px in the right image "
+                                    "\\(\\+3.* px of disparity at infinity\\) and has been "
+                                    "corrected; if the baseline is 110.08 mm"));
   // COLMAP is given the rig file's cameras, so that its map has no one left-right distance.
   EXPECT_EQ(summary["mapping"]["method"], "seeded");
   EXPECT_THAT(summary["mapping"]["remarks"].dump(),
@@ -273,6 +278,8 @@ TEST_F(RealDrive, AlongAStreetMendsTheLensAndNotTheFocalLength) {
   EXPECT_EQ(summary["rig"]["parameters"], "all-but-focal");
   EXPECT_EQ(summary["rig"]["focal_changed_pct"], 0.0);
   EXPECT_GT(summary["rig"]["lens_field_rms_px"], 0.03);
+  EXPECT_THAT(summary["verdict"]["text"].get<std::string>(),
+              testing::HasSubstr("px mends what its lens model lacks; if the baseline is 537."));
   // Without the field 0.058 px.
   EXPECT_LE(summary["depth_consistency"]["radius"]["systematic_px"].get<double>(), 0.02);
   const Errors errors = OnTheStreet();

@@ -58,9 +58,9 @@ const std::map<std::string, Names> kReaders{
     {"rocks.min_top_m", {"georeference", "evaluation"}},
     {"rocks.min_width_m", {"georeference", "evaluation"}},
     {"gates", {"gates"}},
-    {"gates.baseline_spread", {"mapping", "adjustment", "gates"}},
-    {"gates.baseline_rejected", {"mapping", "adjustment", "gates"}},
-    {"gates.registered", {"mapping", "adjustment", "gates"}},
+    {"gates.baseline_spread", {"adjustment", "gates"}},
+    {"gates.baseline_rejected", {"adjustment", "gates"}},
+    {"gates.registered", {"adjustment", "gates"}},
     {"gates.motion_agreement_sigmas", {"adjustment", "gates"}},
     {"gates.motion_agreement_pct", {"adjustment", "gates"}},
     {"gates.reprojection_px", {"adjustment", "gates"}},
@@ -212,7 +212,7 @@ TEST(ColmapRecipe, LeavesThePosesOfTheMappingAsTheyAre) {
            colmap.nodes()[colmap.IndexOf(stage)].identity;
   };
   EXPECT_TRUE(same("database"));
-  EXPECT_FALSE(same("mapping"));  // nothing comes after it that could start from the odometry
+  EXPECT_TRUE(same("mapping"));
   PartOptions without;
   without.mapping.method = MappingMethod::kNone;
   EXPECT_THAT(MessageOf<UsageError>([&] { ColmapRecipe({}, {}, without); }),

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "adjustment/unchecked_scale.h"
+#include "gates/length_gate.h"
 #include "gates/refusal.h"
 #include "gates/registration_gates.h"
 #include "pipeline/code_identity.h"
@@ -28,6 +29,10 @@ std::string AboutRig(const GateInputs& inputs) {
         "infinity) "
         "and has been corrected; ",
         adjustment.correction_px, adjustment.infinity_offset_px);
+  }
+  if (adjustment.lens_field_rms_px > 0.0) {
+    about += fmt::format("a field of {:.2g} px mends what its lens model lacks; ",
+                         adjustment.lens_field_rms_px);
   }
   if (inputs.calibration_scale_sigma > 0.0) about += "the calibration is not checked; ";
   if (rig.baseline_sigma_m) return about + "the baseline's sigma counted";
@@ -101,6 +106,12 @@ Report JudgeAdjusted(const Dataset& dataset, const FeatureIndex& features,
                     {mapping, poses, adjustment, calibration, {}, {}});
 }
 
+// Of poses that nothing holds to the rig from frame to frame.
+Gate LengthOf(const GateInputs& inputs, const Odometry& odometry, const PoseGateOptions& options) {
+  return JudgeLength(inputs.adjustment.world_from_left, odometry, inputs.rig.Baseline(),
+                     options.accuracy_pct);
+}
+
 Report JudgeMapped(const Dataset& dataset, const FeatureIndex& features,
                    const AlignedKeyframes& aligned, const AdjustedPart& part,
                    const MappingGateOptions& mapping, const PoseGateOptions& poses,
@@ -108,7 +119,8 @@ Report JudgeMapped(const Dataset& dataset, const FeatureIndex& features,
                    const CalibrationGateOptions& calibration, const AdjustmentOptions& prior) {
   GateInputs inputs = InputsOf(dataset, features, aligned, part);
   inputs.calibration_scale_sigma = UncheckedFocalSigma(dataset.rig, prior);
-  return ReportPart(inputs, {mapping, poses, adjustment, calibration, {}, {}});
+  Report report = ReportPart(inputs, {mapping, poses, adjustment, calibration, {}, {}});
+  return WithMoreGates({}, report, ReportGates({LengthOf(inputs, part.odometry, poses)}));
 }
 
 Report JudgeFreeCameras(const Dataset& dataset, const MappingResult& mapped,
@@ -162,7 +174,9 @@ Report JudgeRegistered(const Dataset& dataset, const FeatureIndex& features,
   inputs.epipolar_px = features.epipolar_px;
   inputs.calibration_scale_sigma = part.calibration_scale_sigma;
   Report report = ReportPart(inputs, {mapping, poses, adjustment, calibration, {}, {}});
-  return WithMoreGates({}, report, ReportGates(JudgeRegistration(registration, of_registration)));
+  Gates gates = JudgeRegistration(registration, of_registration);
+  gates.push_back(LengthOf(inputs, odometry, poses));
+  return WithMoreGates({}, report, ReportGates(gates));
 }
 
 Report JudgeDeadReckoned(const Dataset& dataset, const FeatureIndex& features,

@@ -1,5 +1,9 @@
 #include "workflows/stages/mapped_part.h"
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "core/error.h"
 #include "pipeline/code_identity.h"
 #include "scale/metric_models.h"
 #include "workflows/stages/trajectory.h"
@@ -9,7 +13,14 @@ namespace {
 
 AdjustedPart MakeMapped(const StageContext&, const Dataset& dataset, const Odometry& odometry,
                         const KeyframeGraph& graph, const MeasuredModels& measured,
-                        const AlignedKeyframes& aligned) {
+                        const AlignedKeyframes& aligned, const MappingOptions& options) {
+  if (measured.mapped.method != options.method) {
+    throw DataError(fmt::format(
+        "expected a model of COLMAP's mapping ({}), found none{}", NameOf(options.method),
+        measured.mapped.remarks.empty()
+            ? ""
+            : ": " + fmt::format("{}", fmt::join(measured.mapped.remarks, "; "))));
+  }
   std::vector<int> frames;
   for (const GraphKeyframe& keyframe : graph.keyframes) frames.push_back(keyframe.frame);
   return LayInWorld(dataset, odometry,

@@ -12,7 +12,8 @@ namespace rigmap {
 // COLMAP's poses times the baseline, as `scale` has laid them into the world.
 using MappedPartStage =
     Stage<AdjustedPart, Takes<Dataset, Odometry, KeyframeGraph, MeasuredModels, AlignedKeyframes>,
-          Reads<>>;
+          Reads<MappingOptions>>;
+// Throws DataError where COLMAP's mapping, in the way that was asked for, led to no model.
 MappedPartStage MappedTrajectory();
 
 }  // namespace rigmap

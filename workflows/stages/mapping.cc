@@ -10,76 +10,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Mapper {
-  const StageContext& context;
-  const ColmapInstallation& colmap;
-  const GraphWithPoses& input;
-  const MappingOptions& options;
-  const VerificationOptions& verification;
-  const ScaleOptions& scale;
-  const MappingGateOptions& gates;
-
-  MeasuredModels Map(MappingMethod method, const fs::path& models) const {
-    const ColmapFolder folder{context.root};
-    MappingOptions how = options;
-    how.method = method;
-    MappingResult mapped = MapKeyframes(
-        colmap, input, {folder.Database(), folder.Images(), models, context.scratch, context.log},
-        how, context.threads);
-    // Poses of the odometry agree with the rig whatever the images say: let these speak.
-    if (mapped.method == MappingMethod::kTriangulate) {
-      for (SparseModel& model : mapped.models) {
-        model = AdjustWithoutRig(model, input.rig, verification.min_inliers, {});
-      }
-    }
-    ModelScales scales = MeasureBaselines(mapped.models, input.rig.Baseline(), scale);
-    return {std::move(mapped), std::move(scales)};
-  }
-
-  Gates Judge(const MeasuredModels& measured) const {
-    std::vector<BaselineScale> scales;
-    for (const auto& known : measured.scales) {
-      if (known) scales.push_back(*known);
-    }
-    return JudgeMapping(ShapeOf(scales, CountPosed(measured.mapped.models, measured.scales),
-                                input.graph.keyframes.size()),
-                        gates);
-  }
-};
-
-MeasuredModels MapInTurn(const Mapper& mapper, const InTurn<MappingMethod>& ways,
-                         const fs::path& models) {
-  MeasuredModels first = mapper.Map(ways.planned, models);
-  const Gates gates = mapper.Judge(first);
-  if (first.mapped.method != MappingMethod::kSeeded || ways.otherwise == ways.planned ||
-      AllPassed(gates)) {
-    return first;
-  }
-  const std::string reason = FailureReason(gates);
-  spdlog::warn("{}; triangulating the odometric poses instead", reason);
-  const fs::path aside = mapper.context.scratch / "other-models";
-  MeasuredModels second = mapper.Map(ways.otherwise, aside);
-  if (!AllPassed(mapper.Judge(second))) {
-    first.mapped.remarks.push_back(
-        fmt::format("{}; triangulating the odometric poses instead did not mend it", reason));
-    return first;
-  }
-  fs::remove_all(models);
-  fs::rename(aside, models);
-  second.mapped.remarks.push_back(
-      fmt::format("{}, so the odometric poses were triangulated instead", reason));
-  return second;
-}
-
 MeasuredModels MakeModels(const StageContext& context, const ColmapInstallation& colmap,
                           const Dataset& dataset, const Odometry& odometry,
                           const Correspondences& matches, const KeyframeGraph& graph,
-                          const InTurn<MappingMethod>& ways, const MappingOptions& options,
-                          const VerificationOptions& verification, const ScaleOptions& scale,
-                          const MappingGateOptions& gates) {
+                          const MappingOptions& options, const VerificationOptions& verification,
+                          const ScaleOptions& scale) {
   const fs::path models = context.publication->Path("colmap/models");
   const bool too_few = graph.keyframes.size() < kMinMappedKeyframes;
-  if (too_few || ways.planned == MappingMethod::kNone) {
+  if (too_few || options.method == MappingMethod::kNone) {
     fs::remove_all(models);
     fs::create_directories(models);
     MappingResult nothing{{}, MappingMethod::kNone, {}};
@@ -87,7 +25,18 @@ MeasuredModels MakeModels(const StageContext& context, const ColmapInstallation&
     return {std::move(nothing), {}};
   }
   const GraphWithPoses input{graph, matches, dataset.rig, OdometricPoses(odometry, graph)};
-  return MapInTurn({context, colmap, input, options, verification, scale, gates}, ways, models);
+  const ColmapFolder folder{context.root};
+  MappingResult mapped = MapKeyframes(
+      colmap, input, {folder.Database(), folder.Images(), models, context.scratch, context.log},
+      options, context.threads);
+  // Poses of the odometry agree with the rig whatever the images say: let these speak.
+  if (mapped.method == MappingMethod::kTriangulate) {
+    for (SparseModel& model : mapped.models) {
+      model = AdjustWithoutRig(model, input.rig, verification.min_inliers, {});
+    }
+  }
+  ModelScales scales = MeasureBaselines(mapped.models, input.rig.Baseline(), scale);
+  return {std::move(mapped), std::move(scales)};
 }
 
 Report ReportModels(const MeasuredModels& measured, const ColmapInstallation& colmap,

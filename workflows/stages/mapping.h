@@ -8,7 +8,6 @@
 #include "pipeline/stage.h"
 #include "scale/baseline_scale.h"
 #include "workflows/stages/database.h"
-#include "workflows/stages/in_turn.h"
 
 namespace rigmap {
 
@@ -30,10 +29,7 @@ struct MeasuredModels {
 using MappingStage =
     Stage<MeasuredModels,
           Takes<ColmapInstallation, Dataset, Odometry, Correspondences, KeyframeGraph>,
-          Reads<InTurn<MappingMethod>, MappingOptions, VerificationOptions, ScaleOptions,
-                MappingGateOptions>>;
-// The planned way; where its models fail a gate on them, the other if there is one, which is taken
-// if it passes.
+          Reads<MappingOptions, VerificationOptions, ScaleOptions>>;
 MappingStage Mapping();
 
 // world_from_left of the graph's keyframes by the odometry.

@@ -17,6 +17,7 @@ Cause MotionsDiffer(const Failed& failed);      // motion_agreement
 Cause SensorsContradict(const Failed& failed);  // sensors_contradict
 Cause CloudsSlide(const Failed& failed);        // unheld
 Cause ChainsDiffer(const Failed& failed);       // closure_sigmas, closure_pct
+Cause LengthsDiffer(const Failed& failed);      // length_pct
 Cause DepthsDisagree(const Failed& failed);     // depth_consistency_pct
 Cause NotAsGoodAsAsked(const Failed& failed);   // scale_95_pct, position_95_pct
 Cause DenseDiffers(const Failed& failed);       // depth_bias_px
