@@ -97,6 +97,22 @@ TEST_F(Comparison, TakesWhatFixesSayWithTheirNoiseBesideIt) {
   EXPECT_THAT(table, HasSubstr("0.0200 (0.0180)"));
 }
 
+TEST_F(Comparison, TableShowsEveryKindOfErrorThatIsKnown) {
+  WriteSummary("ok", "[]");
+  const RunName name{"beach", "rig", "", 0};
+  Write("evaluation.json",
+        R"({"ate_se3_m": 0.01, "drift": {"height_drift_pct": 0.031, "segments": [
+                {"segment_m": 5.0, "rpe_t_pct": 0.412}, {"segment_m": 25.0, "rpe_t_pct": 0.213}]},
+            "map": {"within_3.5m": {"f_1cm": 0.931}},
+            "rocks": {"found": 4, "shift_max_mm": 5.2, "top_max_mm": 8.4, "ghost_max_pct": 1.3}})");
+  const std::string table = FormatComparison(WriteComparison({MakeRow(name, folder_.Path())}));
+  for (const char* shown : {"height drift %", "5 m %", "25 m %", "F 3.5 m", "rocks", "top mm",
+                            "ghosts %", "0.031", "0.412", "0.213", "0.931", "8.4", "1.3"}) {
+    EXPECT_THAT(table, HasSubstr(shown));
+  }
+  EXPECT_THAT(table, Not(HasSubstr("50 m %")));
+}
+
 TEST_F(Comparison, RowNeedsASummary) {
   EXPECT_THAT(MessageOf<DataError>([&] { MakeRow({}, folder_.Path()); }),
               HasSubstr("no summary.json"));
