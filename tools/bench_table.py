@@ -3,6 +3,8 @@
 ERRORS = {'frames': 'frames', 'ate_se3_m': 'ATE m', 'ate_se3_pct': 'ATE %',
           'scale_error_pct': 'scale error %', 'rpe_t_pct': 'RPE %',
           'rpe_r_deg_per_m': 'RPE deg/m'}  # of rigmap's evaluation -> heading
+BESIDE_A_PRISM = {'frames': 'frames', 'rms_se2_m': 'horizontal RMS m', 'rms_se2_pct': 'RMS %',
+                  'scale_truth_over_est': 'scale', 'truth_path_m': 'of m'}
 
 
 def cell(number, pattern='{:.3f}'):
@@ -45,8 +47,10 @@ def print_costs(result):
 
 def print_findings(result):
     if result['errors']:
-        print_table(['trajectory', *ERRORS.values()],
-                    [[name, *(cell(errors.get(key), '{:g}') for key in ERRORS)]
+        tracked = any('rms_se2_m' in errors for errors in result['errors'].values())
+        columns = BESIDE_A_PRISM if tracked else ERRORS
+        print_table(['trajectory', *columns.values()],
+                    [[name, *(cell(errors.get(key), '{:g}') for key in columns)]
                      for name, errors in result['errors'].items()])
     for side in ('rigmap', 'stock'):
         spread = result[side].get('relative_spread')

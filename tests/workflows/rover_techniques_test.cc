@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 
 #include <cstdlib>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <sstream>
 
@@ -209,6 +210,43 @@ TEST_F(RoverOnTheBeach, BadInputIsRefusedInASentence) {
                                       })),
               HasSubstr("are columns exchanged?"));
 }
+
+// Without bursts of slip, and with one, in which the wheels turn up to 60 % too far.
+class RoverOnASimulatedDrive : public testing::TestWithParam<const char*> {};
+
+TEST_P(RoverOnASimulatedDrive, IsFollowedByItsWheelsAndBetterByTheFilter) {
+  const TemporaryFolder folder;
+  const fs::path drive = folder.Path() / "drive";
+  std::vector<std::string> simulate{"--scene",      "flat-sand", "--path",        "s-curve",
+                                    "--pairs",      "20",        "--spacing",     "0.25",
+                                    "--seed",       "31",        "--image-scale", "0.4",
+                                    "--no-surface", "--out",     drive,           "--quiet"};
+  const std::string fault = GetParam();
+  if (!fault.empty()) simulate.insert(simulate.end(), {"--fault", fault});
+  ASSERT_EQ(RunProgram(RIGMAP_SIMULATE_PROGRAM, simulate).exit_code, 0);
+  std::map<std::string, json> metrics;
+  for (const auto& [technique, until] :
+       {std::pair("wheels", "dead_reckoning"), std::pair("vo", "trajectory"),
+        std::pair("filter", "filter")}) {
+    const fs::path out = folder.Path() / technique;
+    const ProgramEnd end = RunRigmap({"part", "--dataset", drive / "data", "--out", out, "--quiet",
+                                      "--technique", technique, "--until", until});
+    ASSERT_NE(end.exit_code, 1) << end.err;
+    metrics[technique] = json::parse(
+        RunRigmap({"evaluate", out, "--truth", drive / "truth" / "Part1", "--json"}).out);
+    EXPECT_EQ(metrics[technique]["coverage"], 1.0) << technique;
+  }
+  const double wheels_m = metrics["wheels"]["ate_se3_m"], vo_m = metrics["vo"]["ate_se3_m"];
+  EXPECT_LT(metrics["filter"]["ate_se3_m"].get<double>(), 1.1 * std::min(wheels_m, vo_m));
+  if (fault.empty()) {
+    EXPECT_LT(metrics["wheels"]["ate_se3_pct"].get<double>(), kMaxAte_pct);
+    EXPECT_LT(LengthError_pct(metrics["wheels"]), kMaxLengthError_pct);
+  } else {
+    EXPECT_GT(LengthError_pct(metrics["wheels"]), kMaxLengthError_pct);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(WithAndWithoutSlip, RoverOnASimulatedDrive, testing::Values("", "slip=1"));
 
 // Ten seconds of black images on a drive of which the truth is known.
 TEST(RoverInTheDark, TheFilterBridgesTenSeconds) {
