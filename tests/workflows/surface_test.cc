@@ -187,6 +187,30 @@ TEST_F(SurfaceOfASimulatedPart, IsTheSameJoinedOfPartsAndTiedToItsFixes) {
   EXPECT_EQ(json::parse(las.out)["count"], ReadPly(joined / "dense.ply").size());
 }
 
+// By clouds alone: as the thesis chained them, and as well as they can be.
+TEST_F(SurfaceOfASimulatedPart, HasRocksThatHoldChainedClouds) {
+  const auto ate_pct = [&](const char* way) {
+    const fs::path out = folder_->Path() / way;
+    const ProgramEnd end = RunRigmap(
+        {"part", "--dataset", folder_->Path() / "simulated" / "data", "--technique", "icp", "--set",
+         std::string("registration.way=") + way, "--until", "trajectory", "--out", out, "--quiet"});
+    EXPECT_EQ(end.exit_code, 3) << end.err;  // nothing checks the rig file
+    const ProgramEnd judged = RunRigmap({"evaluate", out, "--truth", Truth(), "--json"});
+    return json::parse(judged.out)["ate_se3_pct"].get<double>();
+  };
+  const auto gate = [&](const char* way, const char* name) {
+    const json summary = json::parse(ReadTextFile(folder_->Path() / way / "summary.json"));
+    for (const json& each : summary["gates"]) {
+      if (each["name"] == name) return each["passed"].get<bool>();
+    }
+    throw std::logic_error(name);
+  };
+  EXPECT_LT(ate_pct("improved"), 1.0);
+  EXPECT_TRUE(gate("improved", "length_pct"));
+  EXPECT_GT(ate_pct("plain"), 3.0);
+  EXPECT_FALSE(gate("plain", "length_pct"));
+}
+
 TEST_F(SurfaceOfASimulatedPart, HasARouteThatMapsTake) {
   ExpectRoutesAtKatwijk(Out());
   // The first pose lies where the grid's coordinates of it say, by PROJ.
