@@ -7,6 +7,7 @@
 #include <thread>
 
 #include "core/file.h"
+#include "export/tum.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/support/test_file.h"
 #include "tests/workflows/rigmap_program.h"
@@ -188,6 +189,23 @@ TEST_F(ContinuedPart, AskedToBeBetterThanItIsMakesNothingElseAnewAndSaysSo) {
   EXPECT_THAT(Summary()["verdict"]["text"].get<std::string>(),
               StartsWith("consistent, but not as good"));
   EXPECT_EQ(Continue({"--accuracy", "50"}).exit_code, 0);
+}
+
+TEST_F(ContinuedPart, WithoutAMappingEndsWithTheSamePoses) {
+  const std::vector<TumPose> mapped = ReadTum(out_ / "trajectory.tum");
+  const ProgramEnd end = Continue({"--set", "mapping.method=none", "--until", "steps"});
+  ASSERT_EQ(end.exit_code, 0) << end.err;
+  EXPECT_THAT(Made(), Not(testing::Contains("matching")));
+  EXPECT_EQ(Summary()["mapping"]["method"], "none");
+  EXPECT_TRUE(fs::exists(out_ / "steps" / "odometry.tum"));
+  EXPECT_FALSE(fs::exists(out_ / "steps" / "mapping.tum"));
+  const std::vector<TumPose> poses = ReadTum(out_ / "trajectory.tum");
+  ASSERT_EQ(poses.size(), mapped.size());
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    EXPECT_LT((poses[i].world_from_body.translation - mapped[i].world_from_body.translation).norm(),
+              0.001)
+        << i;
+  }
 }
 
 TEST_F(ContinuedPart, SaysThatItsMetresRestOnTheBaseline) {
