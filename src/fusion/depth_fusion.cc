@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "core/progress.h"
 #include "fusion/internal/frame_agreement.h"
@@ -27,10 +28,31 @@ void Brighten(double factor, std::vector<SurfaceSample>& samples) {
   }
 }
 
+constexpr int kBand = 256;  // rows; their samples are in memory at once
+
+// Nobody could confirm it or be averaged with it: each pixel is a point.
+void TakeSingle(const DepthView& view, FusionOptions options, const FusionTarget& target) {
+  options.min_views = 1;
+  options.max_sigma_pct = std::numeric_limits<double>::infinity();
+  for (int row = 0; row < view.map.disparity.rows; row += kBand) {
+    PointCloud points;
+    for (const SurfaceSample& sample : ConfirmedSamples(view, {}, options, {row, row + kBand})) {
+      const float sigma_m = sample.OffSurfaceM();
+      if (options.max_sigma_m > 0.0 && sigma_m > options.max_sigma_m) continue;
+      points.push_back({.x_in_world = sample.x_in_world.cast<float>(),
+                        .normal = sample.normal,
+                        .rgb = sample.rgb,
+                        .observations = 1,
+                        .sigma_m = sigma_m,
+                        .grain_m = sample.pixel_m});
+    }
+    target.take(points);
+  }
+}
+
 // Those of a sound frame, compared with those that are sound.
 void AddSamplesOf(std::size_t frame, const FusionOptions& options, FrameAgreement& agreement,
                   ViewCache& cache, PastLight& past_light, LayeredGrid& grid) {
-  constexpr int kBand = 256;  // rows; their samples are in memory at once
   FrameComparison compared = agreement.ComparisonOf(frame);
   const auto is_unsound = [&](std::size_t other) { return !agreement.IsSound(other); };
   std::erase_if(compared.near, is_unsound);
@@ -59,6 +81,11 @@ std::vector<std::size_t> FuseDepthMaps(std::span<const PosedDepth> depths, doubl
   RequireValid(options);
   const std::vector<Rigid3> world_from_left = PosesOf(depths);
   ViewCache cache(depths, cached_views);
+  if (depths.size() == 1) {
+    const std::size_t first = 0;
+    TakeSingle(*cache.Get({&first, 1}).front(), options, target);
+    return {};
+  }
   FrameAgreement agreement(world_from_left, options, cache);
   PastLight past_light;
   LayeredGrid grid(voxel_m, options.steep_voxel_share, target.scratch, kKeptVoxels);

@@ -39,7 +39,9 @@ OptionFields FusionOptions::Fields() {
        "dense.ply."},
       {"max_sigma_pct", &max_sigma_pct, "per cent of the distance", MoreThan(0.0),
        "What is known less well than this share of its distance from the camera is left out: at 2, "
-       "disparities below 8 px that only one frame knows to 0.15 px."},
+       "disparities below 8 px that only one frame knows to 0.15 px. A single pair has its whole "
+       "depth "
+       "map, of which dense.max_depth_sigma_pct decides."},
   };
   return JoinFields({compared, kept});
 }

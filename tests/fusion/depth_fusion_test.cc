@@ -114,16 +114,40 @@ TEST_F(FuseDepthMapsOfGround, GivesOneThinLayer) {
   EXPECT_LT(without_normal, cloud.size() / 100);
 }
 
-TEST_F(FuseDepthMapsOfGround, MergesWhatIsSeenTwice) {
+TEST_F(FuseDepthMapsOfGround, MergesWhatIsSeenAgain) {
   voxel_m_ = 0.2;  // all of it is known to three of these
   Drive(1, {});
   options_.min_views = 1;
-  const PointCloud once = Fuse();
   depths_.push_back(depths_[0]);
   const PointCloud twice = Fuse();
-  EXPECT_GE(twice.size(), once.size());  // twice the observations: more voxels have enough
+  depths_.push_back(depths_[0]);
+  const PointCloud thrice = Fuse();
+  EXPECT_GE(thrice.size(), twice.size());  // more observations: more voxels have enough
   options_.min_observations = 1;
-  EXPECT_EQ(Fuse().size(), Fuse(std::span(depths_).first(1)).size());
+  EXPECT_EQ(Fuse().size(), Fuse(std::span(depths_).first(2)).size());
+}
+
+// Nobody confirms it, and nothing is averaged.
+TEST_F(FuseDepthMapsOfGround, HasEveryPixelOfASingleDepthMap) {
+  constexpr double kSigma_px = 0.5;
+  Drive(1, {.noise_px = kSigma_px, .sigma_px = kSigma_px});
+  options_.max_sigma_pct = 0.01;
+  const PointCloud cloud = Fuse();
+  const auto known = static_cast<std::size_t>(cv::countNonZero(maps_[0].disparity > 0.0F));
+  EXPECT_GT(cloud.size(), known * 9 / 10);  // but those seen edge on
+  EXPECT_LE(cloud.size(), known);
+  std::size_t within_two = 0;
+  for (const SurfacePoint& point : cloud) {
+    ASSERT_GT(point.sigma_m, 0.0F);
+    ASSERT_GT(point.grain_m, 0.0F);
+    ASSERT_LT(point.grain_m, 0.1F);
+    within_two += std::abs(point.x_in_world.z()) <= 2.0F * point.sigma_m;
+  }
+  EXPECT_GT(within_two, cloud.size() * 9 / 10);
+  options_.max_sigma_m = 0.01;
+  const PointCloud sure = Fuse();
+  EXPECT_LT(sure.size(), cloud.size());
+  for (const SurfacePoint& point : sure) ASSERT_LE(point.sigma_m, 0.01F);
 }
 
 TEST_F(FuseDepthMapsOfGround, HasFinerVoxelsOnSteepFaces) {

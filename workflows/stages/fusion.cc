@@ -46,13 +46,12 @@ FusedMap MakeMap(const StageContext& context, const Dataset&, const PosedPart& p
     posed.push_back({depths.files[i].In(context.root), depths.files[i].key,
                      part.trajectory[frame].world_from_left});
   }
-  // A single frame has nobody to agree with.
   FusionOptions options = asked;
   options.min_views = std::min(options.min_views, std::max(1, static_cast<int>(posed.size())));
   FusedMap fused;
   fused.voxel_m = depths.voxel_m;
   fused.frames = static_cast<int>(posed.size());
-  fused.max_sigma_pct = options.max_sigma_pct;
+  if (posed.size() > 1) fused.max_sigma_pct = options.max_sigma_pct;
   if (options.max_sigma_m > 0.0) fused.max_sigma_m = options.max_sigma_m;
   context.publication->File("dense.ply", [&](std::ostream& stream) {
     PlyWriter writer(stream);
