@@ -21,7 +21,7 @@ CalibrationVector CorrectionBetween(const StereoRig& from, const StereoRig& to);
 // step at all, the sigmas of independent residuals say.
 struct CalibrationStep {
   Eigen::Vector3d rig_rotation, rig_rotation_sigma, rig_rotation_sigma_if_independent;
-  Eigen::Matrix3d rig_rotation_correlation;
+  Eigen::Matrix3d rig_rotation_correlation;  // of independent observations
   double log_focal, log_focal_sigma, log_focal_sigma_if_independent;
 };
 

@@ -16,9 +16,8 @@ std::optional<CalibrationStep> RotationAndFocalStep(const CalibrationEquations& 
   const Eigen::Vector4d independent = inverse.diagonal().cwiseSqrt();
   const Eigen::Vector4d sigma = independent.cwiseMax(found.diagonal().cwiseSqrt());
   if (!step.allFinite() || !(independent.minCoeff() > 0.0)) return std::nullopt;
-  const Eigen::Matrix3d both = (found + inverse).topLeftCorner<3, 3>();
-  const Eigen::Vector3d spread = both.diagonal().cwiseSqrt();
-  const Eigen::Matrix3d correlation = both.cwiseQuotient(spread * spread.transpose());
+  const Eigen::Matrix3d correlation = inverse.topLeftCorner<3, 3>().cwiseQuotient(
+      independent.head<3>() * independent.head<3>().transpose());
   return CalibrationStep{step.head<3>(), sigma.head<3>(), independent.head<3>(), correlation,
                          step(3),        sigma(3),        independent(3)};
 }

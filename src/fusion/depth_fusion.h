@@ -30,8 +30,9 @@ struct FusionTarget {
 // where less is known (layered_grid.h). One point per voxel; normals point to the cameras. The
 // order of the frames changes places by rounding only, the number of threads nothing at all.
 //
-// A single depth map is there as a whole, a point for each pixel that max_incidence_deg leaves, as
-// large as what the pixel covers: nothing is averaged, and max_sigma_pct does not apply.
+// A single depth map is there as a whole, a point for each pixel that max_incidence_deg and
+// max_sigma_m leave, as large as what the pixel covers: nothing is averaged, and max_sigma_pct does
+// not apply.
 //
 // A frame is left out, and its index returned, if it agrees with its neighbours on less than half
 // of the pixels on which they agree with theirs: its pose or its depth is wrong. Colours are made

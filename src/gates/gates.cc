@@ -102,29 +102,23 @@ void AddEither(Gate a, Gate b, Gates& gates) {
   gates.push_back(std::move(b));
 }
 
-MappedShape ShapeOf(std::span<const BaselineScale> scales, std::size_t posed,
-                    std::size_t keyframes) {
+std::optional<MappedShape> ShapeOf(const AlignedKeyframes* aligned) {
+  if (!aligned) return std::nullopt;
   MappedShape shape;
   std::size_t used = 0, off = 0;
-  for (const BaselineScale& scale : scales) {
-    shape.baseline_spread = std::max(shape.baseline_spread.value_or(0.0), scale.relative_spread);
-    used += scale.pairs_used.size();
-    off += scale.pairs_rejected.size();
+  for (const AlignedModel& model : aligned->models) {
+    shape.baseline_spread =
+        std::max(shape.baseline_spread.value_or(0.0), model.scale.relative_spread);
+    used += model.scale.pairs_used.size();
+    off += model.scale.pairs_rejected.size();
   }
   shape.baseline_rejected =
       static_cast<double>(off) / std::max<double>(1.0, static_cast<double>(used + off));
-  shape.registered = static_cast<double>(posed) / static_cast<double>(keyframes);
-  return shape;
-}
-
-std::optional<MappedShape> ShapeOf(const AlignedKeyframes* aligned) {
-  if (!aligned) return std::nullopt;
-  std::vector<BaselineScale> scales;
-  for (const AlignedModel& model : aligned->models) scales.push_back(model.scale);
   const auto& poses = aligned->world_from_left;
   const auto posed =
       std::ranges::count_if(poses, [](const auto& pose) { return pose.has_value(); });
-  return ShapeOf(scales, static_cast<std::size_t>(posed), poses.size());
+  shape.registered = static_cast<double>(posed) / static_cast<double>(poses.size());
+  return shape;
 }
 
 Gates JudgeMapping(const std::optional<MappedShape>& shape, const MappingGateOptions& options) {

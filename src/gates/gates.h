@@ -38,9 +38,6 @@ struct MappedShape {
   double baseline_rejected = 0.0;         // share of all pairs
   double registered = 0.0;                // share of keyframes
 };
-// Of models with these scales, which pose so many of all keyframes.
-MappedShape ShapeOf(std::span<const BaselineScale> scales, std::size_t posed,
-                    std::size_t keyframes);
 std::optional<MappedShape> ShapeOf(const AlignedKeyframes* aligned);  // nothing where there is none
 Gates JudgeMapping(const std::optional<MappedShape>& shape, const MappingGateOptions& options);
 bool AllPassed(const Gates& gates);

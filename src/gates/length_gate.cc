@@ -7,7 +7,7 @@ namespace rigmap {
 Gate JudgeLength(const std::vector<std::optional<Rigid3>>& world_from_left,
                  const Odometry& odometry, double baseline_m, double accuracy_pct) {
   double judged_m = 0.0, seen_m = 0.0;
-  std::optional<std::size_t> last;  // that both know, nothing guessed since
+  std::optional<std::size_t> last;  // that both know, nothing guessed by the odometry since
   for (std::size_t i = 0; i < odometry.size(); ++i) {
     if (odometry[i].source != PoseSource::kOdometry) last.reset();
     if (odometry[i].source != PoseSource::kOdometry || !world_from_left[i]) continue;

@@ -93,15 +93,6 @@ ModelScales MeasureBaselines(const std::vector<SparseModel>& models, double base
   return scales;
 }
 
-std::size_t CountPosed(const std::vector<SparseModel>& models, const ModelScales& scales) {
-  std::set<int> posed;
-  for (std::size_t m = 0; m < models.size(); ++m) {
-    if (!scales[m]) continue;
-    for (const auto& [keyframe, pose] : LeftPoses(models[m])) posed.insert(keyframe);
-  }
-  return posed.size();
-}
-
 AlignedKeyframes AlignModels(const std::vector<SparseModel>& models, const ModelScales& scales,
                              const std::vector<Rigid3>& odometric) {
   AlignedKeyframes aligned;

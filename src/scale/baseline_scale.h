@@ -20,9 +20,6 @@ using ModelScales = std::vector<std::optional<BaselineScale>>;
 ModelScales MeasureBaselines(const std::vector<SparseModel>& models, double baseline_m,
                              const ScaleOptions& options);
 
-// Keyframes that models with a scale pose, each counted once.
-std::size_t CountPosed(const std::vector<SparseModel>& models, const ModelScales& scales);
-
 // Scales each model and joins them: the first is aligned with the odometric pose of its earliest
 // keyframe, each further one with the nearest keyframe already aligned, by the odometry between the
 // two. Only keyframes whose pair was used serve for that. A model without a scale is left out.

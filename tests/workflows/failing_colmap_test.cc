@@ -61,7 +61,7 @@ TEST_F(FailingColmap, IsNamedWithItsEndAndTheNextRunIsAsIfNothingHadBeen) {
 }
 
 // Its triangulator is another way, which `rig` takes; the technique that is nothing but its mapping
-// has none.
+// takes none.
 TEST_F(FailingColmap, WhoseMapperAloneGivesUpIsAnErrorWhereItsMappingIsAskedFor) {
   const std::string script = "[ \"$1\" = mapper ] && exit 1\nexec " + Real() + " \"$@\"";
   EXPECT_EQ(RunWith(script, {"--until", "adjustment"}).exit_code, 0);

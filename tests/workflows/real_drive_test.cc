@@ -279,7 +279,7 @@ TEST_F(RealDrive, AlongAStreetMendsTheLensAndNotTheFocalLength) {
   EXPECT_EQ(summary["rig"]["focal_changed_pct"], 0.0);
   EXPECT_GT(summary["rig"]["lens_field_rms_px"], 0.03);
   EXPECT_THAT(summary["verdict"]["text"].get<std::string>(),
-              testing::HasSubstr("px mends what its lens model lacks; if the baseline is 537."));
+              testing::HasSubstr("px mends what the lens model lacks; if the baseline is 537."));
   // Without the field 0.058 px.
   EXPECT_LE(summary["depth_consistency"]["radius"]["systematic_px"].get<double>(), 0.02);
   const Errors errors = OnTheStreet();

@@ -1,6 +1,7 @@
 // The techniques that use what the rover's wheels, gyro and inclinometer measure.
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <map>
 #include <nlohmann/json.hpp>

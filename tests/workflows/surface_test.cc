@@ -172,7 +172,7 @@ TEST_F(SurfaceOfASimulatedPart, IsTheSameJoinedOfPartsAndTiedToItsFixes) {
   const json use = json::parse(ReadTextFile(joined / "summary.json"))["rtk_use"];
   EXPECT_GE(use["tying"].get<int>() + use["judging"].get<int>(), 9);
   // Some ten fixes good to some millimetres cannot better a path good to tenths of one.
-  EXPECT_LT(use["judging_gain_sigmas"], 2.0) << use;
+  EXPECT_LT(use.at("judging_gain_sigmas"), 2.0) << use;
   EXPECT_FALSE(use["used"]);
 
   const json evaluation = json::parse(ReadTextFile(joined / "evaluation.json"));

@@ -31,7 +31,7 @@ std::string AboutRig(const GateInputs& inputs) {
         adjustment.correction_px, adjustment.infinity_offset_px);
   }
   if (adjustment.lens_field_rms_px > 0.0) {
-    about += fmt::format("a field of {:.2g} px mends what its lens model lacks; ",
+    about += fmt::format("a field of {:.2g} px mends what the lens model lacks; ",
                          adjustment.lens_field_rms_px);
   }
   if (inputs.calibration_scale_sigma > 0.0) about += "the calibration is not checked; ";

@@ -1,7 +1,6 @@
 #include "workflows/stages/mapped_part.h"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include "core/error.h"
 #include "pipeline/code_identity.h"
@@ -15,11 +14,10 @@ AdjustedPart MakeMapped(const StageContext&, const Dataset& dataset, const Odome
                         const KeyframeGraph& graph, const MeasuredModels& measured,
                         const AlignedKeyframes& aligned, const MappingOptions& options) {
   if (measured.mapped.method != options.method) {
-    throw DataError(fmt::format(
-        "expected a model of COLMAP's mapping ({}), found none{}", NameOf(options.method),
-        measured.mapped.remarks.empty()
-            ? ""
-            : ": " + fmt::format("{}", fmt::join(measured.mapped.remarks, "; "))));
+    const auto& remarks = measured.mapped.remarks;
+    throw DataError(fmt::format("expected a model of COLMAP's mapping ({}), found none{}",
+                                NameOf(options.method),
+                                remarks.empty() ? "" : ": " + remarks.front()));
   }
   std::vector<int> frames;
   for (const GraphKeyframe& keyframe : graph.keyframes) frames.push_back(keyframe.frame);

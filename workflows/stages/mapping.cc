@@ -1,8 +1,5 @@
 #include "workflows/stages/mapping.h"
 
-#include <fmt/format.h>
-#include <spdlog/spdlog.h>
-
 #include "pipeline/code_identity.h"
 
 namespace rigmap {

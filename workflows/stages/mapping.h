@@ -2,7 +2,6 @@
 #pragma once
 
 #include "adjustment/adjust_without_rig.h"
-#include "gates/gates.h"
 #include "mapping/map_keyframes.h"
 #include "matching/matching_options.h"
 #include "pipeline/stage.h"

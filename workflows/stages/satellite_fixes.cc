@@ -36,6 +36,7 @@ class FixTie {
       : part_(part),
         rig_(rig),
         fixes_(fixes),
+        parts_(parts),
         antenna_(*rig.antenna_in_left),
         options_(options),
         whole_(AlignToRtk(fixes.tying, part.trajectory, antenna_, options)),
@@ -47,13 +48,16 @@ class FixTie {
     TiedPart result{part_, ""};
     if (!whole_.alignment) return NotUsed(std::move(result), whole_.why);
     const auto fused =
-        FuseFixes(part_.trajectory, InEnu(fixes_.tying, *whole_.alignment), Fusion());
+        FuseFixes(part_.trajectory, InEnu(fixes_.tying, *whole_.alignment, clocks_), Fusion());
     if (!fused) {
       return NotUsed(std::move(result),
                      "fewer than two thirds of the fixes agree with the path of the images");
     }
     Describe(*fused);
-    const auto judged = Judge(*fused);
+    const Trajectory moved = Moved(*fused);
+    const RtkFit laid = AlignToRtk(fixes_.tying, moved, antenna_, options_);
+    if (!laid.alignment) return NotUsed(std::move(result), laid.why);
+    const auto judged = Judge(moved, *laid.alignment);
     if (!judged) {
       return NotUsed(std::move(result),
                      fmt::format("of the fixes held back, {}, fewer than four lie beside the path: "
@@ -92,14 +96,14 @@ class FixTie {
     report_["clocks"] = clocks_.Describe();
   }
 
-  std::vector<AntennaFix> InEnu(const std::vector<GnssFix>& fixes,
-                                const RtkAlignment& alignment) const {
+  std::vector<AntennaFix> InEnu(const std::vector<GnssFix>& fixes, const RtkAlignment& alignment,
+                                const FixClocks& clocks) const {
     const LocalFrame frame(alignment.plane_origin);
     std::vector<AntennaFix> result;
     for (const GnssFix& fix : fixes) {
       if (fix.status != kRtkFixed) continue;
       const double time_s = SecondsBetween(part_.trajectory.front().stamp_ns, fix.stamp_ns) -
-                            clocks_.OffsetAt(fix.stamp_ns, alignment.clock_offset_s);
+                            clocks.OffsetAt(fix.stamp_ns, alignment.clock_offset_s);
       constexpr double kMinSigma_m = 0.001;
       result.push_back({time_s, frame.ToEnu({fix.latitude_deg, fix.longitude_deg, fix.altitude_m}),
                         fix.sigma_enu_m.cwiseMax(kMinSigma_m)});
@@ -114,7 +118,7 @@ class FixTie {
         Eigen::Quaterniond(Eigen::AngleAxisd(plane.angle_rad, Eigen::Vector3d::UnitZ())),
         {plane.translation.x(), plane.translation.y(), 0.0}};
     std::vector<double> heights;
-    for (const AntennaFix& fix : InEnu(fixes_.tying, *whole_.alignment)) {
+    for (const AntennaFix& fix : InEnu(fixes_.tying, *whole_.alignment, clocks_)) {
       const auto antenna = AntennaAt(part_.trajectory, fix.time_s, antenna_, options_.max_gap_s);
       if (antenna) heights.push_back(fix.x_in_enu.z() - antenna->z());
     }
@@ -142,12 +146,13 @@ class FixTie {
     return fusion;
   }
 
-  // Horizontal offsets of the path from the judging fixes, laid on the tying ones; nothing for
-  // those beside no pose.
-  std::vector<std::optional<Eigen::Vector2d>> OffsetsFromJudges(
-      const Trajectory& poses, const RtkAlignment& alignment) const {
+  // Horizontal offsets of a path from the judging fixes, laid on the tying ones; nothing for those
+  // beside no pose.
+  std::vector<std::optional<Eigen::Vector2d>> OffsetsFromJudges(const Trajectory& poses,
+                                                                const RtkAlignment& alignment,
+                                                                const FixClocks& clocks) const {
     std::vector<std::optional<Eigen::Vector2d>> offsets;
-    for (const AntennaFix& fix : InEnu(fixes_.judging, alignment)) {
+    for (const AntennaFix& fix : InEnu(fixes_.judging, alignment, clocks)) {
       const auto antenna = AntennaAt(poses, fix.time_s, antenna_, options_.max_gap_s);
       auto& offset = offsets.emplace_back();
       if (!antenna) continue;
@@ -157,24 +162,27 @@ class FixTie {
     return offsets;
   }
 
-  // Both paths are laid on the tying fixes in the same way, clock and all, so that nothing but
-  // their shape is judged.
-  std::optional<FixJudgement> Judge(const FusedFixes& fused) const {
-    Trajectory moved = part_.trajectory;
-    for (std::size_t i = 0; i < moved.size(); ++i) {
-      moved[i].world_from_left = fused.world_from_left[i];
-    }
-    const RtkFit laid = AlignToRtk(fixes_.tying, moved, antenna_, options_);
-    if (!laid.alignment) return std::nullopt;
-    const auto before = OffsetsFromJudges(part_.trajectory, *whole_.alignment);
-    const auto after = OffsetsFromJudges(moved, *laid.alignment);
-    const std::vector<AntennaFix> fixes = InEnu(fixes_.judging, *whole_.alignment);
+  // Both paths are laid on the tying fixes in the same way, their clocks found by themselves, so
+  // that nothing but their shape is judged.
+  std::optional<FixJudgement> Judge(const Trajectory& moved, const RtkAlignment& laid) const {
+    const FixClocks clocks(moved, parts_, fixes_.tying, antenna_, options_);
+    const auto before = OffsetsFromJudges(part_.trajectory, *whole_.alignment, clocks_);
+    const auto after = OffsetsFromJudges(moved, laid, clocks);
+    const std::vector<AntennaFix> fixes = InEnu(fixes_.judging, laid, clocks);
     std::vector<FixBesideTwoPaths> judges;
     for (std::size_t i = 0; i < fixes.size(); ++i) {
       if (!before[i] || !after[i]) continue;
       judges.push_back({*before[i], *after[i], fixes[i].sigma_m.head<2>().maxCoeff()});
     }
     return JudgeByFixes(judges);
+  }
+
+  Trajectory Moved(const FusedFixes& fused) const {
+    Trajectory moved = part_.trajectory;
+    for (std::size_t i = 0; i < moved.size(); ++i) {
+      moved[i].world_from_left = fused.world_from_left[i];
+    }
+    return moved;
   }
 
   void Describe(const FusedFixes& fused) {
@@ -231,6 +239,7 @@ class FixTie {
   const AdjustedPart& part_;
   const StereoRig& rig_;
   const SplitFixes& fixes_;
+  const JoinedParts& parts_;
   Eigen::Vector3d antenna_;
   const RtkAlignmentOptions& options_;
   RtkFit whole_;
