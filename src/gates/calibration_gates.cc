@@ -83,6 +83,14 @@ Asked AskedFor(double value, double sigma, double limit) {
   return {std::abs(value), std::max(0.0, std::abs(value) - limit) / sigma};
 }
 
+// Of the angle of a turn by axes of these sigmas.
+double AngleSigma(const CalibrationStep& step, const Eigen::Vector3d& sigma) {
+  const Eigen::Vector3d& by = step.rig_rotation;
+  const Eigen::Vector3d axis = by.isZero() ? Eigen::Vector3d::UnitY() : by.normalized();
+  const Eigen::Vector3d along = axis.cwiseProduct(sigma);
+  return std::sqrt(along.dot(step.rig_rotation_correlation * along));
+}
+
 // A gate that a value beyond its limit passes as long as that may be chance.
 Gate SurelyAtMost(std::string name, const std::optional<Asked>& asked, double limit,
                   double consistency_sigmas, std::string why) {
@@ -120,11 +128,7 @@ void JudgeConsistency(const GateInputs& inputs, const CalibrationGateOptions& op
                                step->rig_rotation_sigma_if_independent(axis), max_turn_rad);
       }
       const Eigen::Vector3d& by = step->rig_rotation;
-      // Of the turn's angle.
-      const Eigen::Vector3d along =
-          (by.isZero() ? Eigen::Vector3d::UnitY() : by.normalized()).cwiseProduct(sigma);
-      const double angle_sigma = std::sqrt(along.dot(step->rig_rotation_correlation * along));
-      turn = AskedFor(by.norm(), angle_sigma, max_turn_rad);
+      turn = AskedFor(by.norm(), AngleSigma(*step, sigma), max_turn_rad);
       turn->value *= kDegrees;
       offset = AskedFor(by.y(), sigma.y(), max_turn_rad);
       offset->value *= focal_px;
