@@ -68,7 +68,7 @@ TEST_F(RealDrive, InASandYardMendsItsWrongRigFile) {
               testing::MatchesRegex("metres good to 0\\.[0-9]+ % and positions to .* \\(95 %\\); "
                                     "the rig file was off by .* px in the right image "
                                     "\\(\\+3.* px of disparity at infinity\\) and has been "
-                                    "corrected; if the baseline is 110.08 mm"));
+                                    "corrected; .*if the baseline is 69.98 mm"));
   // COLMAP is given the rig file's cameras, so that its map has no one left-right distance.
   EXPECT_EQ(summary["mapping"]["method"], "seeded");
   EXPECT_THAT(summary["mapping"]["remarks"].dump(),
