@@ -2,12 +2,13 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <algorithm>
 #include <array>
 #include <cmath>
 
-#include "correspondence/internal/cubic_sample.h"
+#include "correspondence/internal/spline_image.h"
 #include "correspondence/internal/window_samples.h"
 
 namespace rigmap {
@@ -102,26 +103,33 @@ bool FillTemplate(const GreyView& source, const Eigen::Vector2i& centre, Templat
 }
 
 // Where in the target the samples are looked for, but for the warp that is searched.
-using Offsets = std::array<Eigen::Vector2d, kMaxWindowSamples>;
-
-Offsets BentOffsets(const WindowShape& shape, const PatchWarp& start) {
-  Offsets offsets;
-  for (int i = 0; i < shape.count; ++i) {
-    offsets[i] = start.Bent({shape.column[i], shape.row[i]});
-  }
-  return offsets;
-}
-
-// Cubic samples of the target under the warp; false where one falls outside. Bilinear ones would
-// blur where they fall between pixels, which draws the window aside by up to 0.1 px.
-bool Sample(const GreyView& target, int count, const Offsets& offsets, const PatchWarp& warp,
-            Samples& grey) {
-  for (int i = 0; i < count; ++i) {
-    const Eigen::Vector2d x = warp.position + warp.linear * offsets[i];
-    if (!(x.x() >= 0.0 && x.y() >= 0.0 && x.x() < target.width - 1 && x.y() < target.height - 1)) {
-      return false;
+struct Offsets {
+  Offsets(const WindowShape& shape, const PatchWarp& start) : count(shape.count) {
+    for (int i = 0; i < count; ++i) {
+      of[i] = start.Bent({shape.column[i], shape.row[i]});
+      reach = reach.cwiseMax(of[i].cwiseAbs());
     }
-    grey[i] = Cubic(target, x);
+  }
+
+  // That holds them all under the warp.
+  Eigen::AlignedBox2d Box(const PatchWarp& warp) const {
+    const Eigen::Vector2d from_middle = warp.linear.cwiseAbs() * reach;
+    return {warp.position - from_middle, warp.position + from_middle};
+  }
+
+  int count;
+  std::array<Eigen::Vector2d, kMaxWindowSamples> of;
+  Eigen::Vector2d reach = Eigen::Vector2d::Zero();
+};
+
+// Samples of the target under the warp; false where one falls outside.
+bool Sample(SplineImage& target, const Eigen::AlignedBox2d& frame, const Offsets& offsets,
+            const PatchWarp& warp, Samples& grey) {
+  const Eigen::AlignedBox2d box = offsets.Box(warp);
+  if (!frame.contains(box)) return false;
+  target.Cover(box);
+  for (int i = 0; i < offsets.count; ++i) {
+    grey[i] = target(warp.position + warp.linear * offsets.of[i]);
   }
   return true;
 }
@@ -240,13 +248,15 @@ std::optional<PatchAlignment> AlignPatch(const GreyView& source, const Eigen::Ve
   if (!FillTemplate(source, centre, window)) return std::nullopt;
   const Eigen::LDLT<Matrix6> solver(window.hessian);
   if (solver.info() != Eigen::Success || !(solver.rcond() > 1e-8)) return std::nullopt;
-  const Offsets offsets = BentOffsets(window.shape, start);  // the bend is not searched
+  const Offsets offsets(window.shape, start);  // the bend is not searched
+  SplineImage spline(target);
+  const Eigen::AlignedBox2d frame(Eigen::Vector2d::Zero(),
+                                  Eigen::Vector2d(target.width - 1.001, target.height - 1.001));
   SharpenedTemplate sharpened(source, centre, window);
   PatchAlignment result{.warp = start};
   Samples grey{};
   for (int iteration = 0; iteration < options.max_iterations; ++iteration) {
-    if (!Sample(target, window.shape.count, offsets, result.warp, grey) ||
-        !Normalise(window.shape, grey)) {
+    if (!Sample(spline, frame, offsets, result.warp, grey) || !Normalise(window.shape, grey)) {
       return std::nullopt;
     }
     const Samples* expected = sharpened.Under(result.warp);

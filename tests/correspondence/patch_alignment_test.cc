@@ -104,6 +104,24 @@ TEST(AlignPatch, FindsSubPixelShifts) {
   EXPECT_LT(std::sqrt(squared_errors / kTrials), 0.015);  // px, of rounding
 }
 
+// Neighbouring rows of a stereo pair lie between pixels alike: what draws one window draws all.
+TEST(AlignPatch, IsNotDrawnTowardsOrAwayFromPixels) {
+  SeededRandom random;
+  constexpr int kTrials = 200;
+  for (const double share : {0.25, 0.5, 0.75}) {
+    const PatchWarp truth = Turned(0.0, 1.0, {0.0, share});
+    double sum = 0.0;
+    for (int trial = 0; trial < kTrials; ++trial) {
+      const Surface surface = Seen(RandomWaves(3.0, 12.0, random), kBlur_px, 6.0);
+      const auto found = AlignPatch(Draw(surface, AtCentre()).View(), kCentre,
+                                    Draw(surface, truth).View(), AtCentre(), {});
+      ASSERT_TRUE(found) << share << ' ' << trial;
+      sum += found->warp.position.y() - truth.position.y();
+    }
+    EXPECT_LT(std::abs(sum / kTrials), 0.004) << share;  // px; cubic convolution: 0.018
+  }
+}
+
 TEST(AlignPatch, FindsScaleRotationGainAndOffset) {
   SeededRandom random;
   for (int trial = 0; trial < 50; ++trial) {
