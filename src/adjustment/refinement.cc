@@ -20,24 +20,25 @@ double HalfOfExpectedGain(double asked, const ProbableCorrection& all) {
 }
 
 // Whether the images ask for a focal length that left-out stretches or regions contradict, or that
-// is not followed because the lens is known to differ from its model. Where the former agree, if
-// not by enough to follow them, what is asked for is known as it says.
+// is not followed, however little it is, because the lens is known to differ from its model. Where
+// the former agree, if not by enough to follow them, what is asked for is known as it says.
 bool IsFocalRejected(RigRefinement refined, const CalibrationVector& now,
                      const ProbableCorrection& all, const CalibrationEquations& equations,
                      const CalibrationPrior& prior, const AdjustmentOptions& options) {
   constexpr double kConflictSigmas = 2.0;
-  const double asked = std::abs(all.correction(kLogFocal) - now(kLogFocal));
-  if (refined != RigRefinement::kAllButFocal || options.refine_rig != RigRefinement::kAuto ||
-      asked <= kConflictSigmas * std::sqrt(all.covariance(kLogFocal, kLogFocal))) {
+  if (refined != RigRefinement::kAllButFocal || options.refine_rig != RigRefinement::kAuto) {
     return false;
   }
+  if (equations.HasField()) return true;
+  const double asked = std::abs(all.correction(kLogFocal) - now(kLogFocal));
+  if (asked <= kConflictSigmas * std::sqrt(all.covariance(kLogFocal, kLogFocal))) return false;
   const double least_gain = HalfOfExpectedGain(asked, all);
   const auto contradicts = [&](const std::vector<CalibrationBlock>& blocks) {
     const auto gain =
         GainOfRefining(refined, RigRefinement::kAll, now, equations, blocks, prior, options);
     return !gain || gain->sum < least_gain || gain->against > gain->blocks / kBlocksPerDissenter;
   };
-  return equations.HasField() || contradicts(equations.stretches) || contradicts(equations.regions);
+  return contradicts(equations.stretches) || contradicts(equations.regions);
 }
 
 // Delete-one jackknife over the regions of the image: what all stretches have in common, as a lens
@@ -87,12 +88,14 @@ CalibrationMatrix CalibrationError(RigRefinement refined, const CalibrationVecto
   const CalibrationVector off_held = off - off(kLogFocal) * following;
   // What they ask for is the error of the focal length, what makes them ask besides, and noise.
   // Nothing tells how it is divided between the former two: in the mean half of the square that
-  // noise does not explain is either's. If they are right all the same, it is two sigmas away at
-  // most.
-  constexpr double kMostSigmas = 2.0;
-  const double asked = std::abs(off(kLogFocal));
-  const double share = std::sqrt(0.5 * std::max(0.0, asked * asked - variance));
-  const double sigma = std::max(asked / kMostSigmas, std::min(prior.sigmas(kLogFocal), share));
+  // noise does not explain is either's, and of one that noise may have cancelled by chance no less
+  // than kLeast. If they are right all the same, it is two sigmas away at most.
+  constexpr double kMostSigmas = 2.0, kLeast = 2.5;  // the latter of the noise's variance
+  const double asked = std::abs(off(kLogFocal)), square = asked * asked;
+  const double share =
+      std::min(square + variance, std::max(0.5 * (square - variance), kLeast * variance));
+  const double sigma =
+      std::max(asked / kMostSigmas, std::min(prior.sigmas(kLogFocal), std::sqrt(share)));
   return held + off_held * off_held.transpose() + sigma * sigma * by_focal;
 }
 
