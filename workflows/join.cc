@@ -141,21 +141,11 @@ PartRequest AfterAdjustment(const JoinRequest& request, const std::vector<std::s
   return rest;
 }
 
-void RequireRtkFor(const JoinRequest& request) {
-  if (request.use_rtk) return;
-  for (const auto& [option, stage] :
-       {std::pair("--from", request.whole.from), std::pair("--until", request.whole.until)}) {
-    if (stage != "rtk") continue;
-    throw UsageError(fmt::format("{} rtk: expected --use-rtk beside it, found none", option));
-  }
-}
-
 }  // namespace
 
 PartResult JoinParts(const JoinRequest& request) {
   cv::setNumThreads(1);  // the work is split over frames
   const PartRequest& whole = request.whole;
-  RequireRtkFor(request);
   std::vector<PartFolder> folders = NameParts(request.outs);
   RequirePartsElsewhere(whole.out, request.outs);
   UnionOfParts united = UniteParts(folders, whole.out);

@@ -105,6 +105,17 @@ void RequireStages(const PartArguments& a, const std::vector<std::string>& stage
   }
 }
 
+constexpr const char* kRtk = "rtk";  // the one stage of a join that comes in by an option
+
+void RequireJoinStages(const PartArguments& whole, bool use_rtk) {
+  RequireStages(whole, JoinStageNames());
+  for (const auto& [option, stage] :
+       {std::pair("--from", whole.from), std::pair("--until", whole.until)}) {
+    if (stage != kRtk || use_rtk) continue;
+    throw UsageError(fmt::format("{} {}: expected --use-rtk beside it, found none", option, kRtk));
+  }
+}
+
 // All but what depends on the technique.
 PartRequest MakeRequestWithoutStages(const PartArguments& a, std::string command) {
   PartRequest request;
@@ -172,8 +183,7 @@ JoinRequest MakeJoinRequest(const JoinArguments& a, std::string command) {
   request.whole = MakeRequestWithoutStages(whole, std::move(command));
   request.use_rtk = a.use_rtk;
   request.missing = a.missing;
-  const auto stages = JoinStageNames();
-  RequireStages(whole, stages);
+  RequireJoinStages(whole, a.use_rtk);
   return request;
 }
 
@@ -218,9 +228,13 @@ RunRequest MakeRunRequest(const RunArguments& a, std::string command) {
   RunRequest request;
   request.part = MakeRequestWithoutStages(a.part, std::move(command));
   request.use_rtk = a.use_rtk;
-  // Of the parts and of the whole.
-  RequireStages(a.part, StageNames(Technique::kRig));
-  RequireStages(a.part, JoinStageNames());
+  RequireJoinStages(a.part, a.use_rtk);
+  PartArguments part = a.part;
+  if (part.until == kRtk) part.until = "adjustment";
+  if (part.from == kRtk) part.from.clear();
+  RequireStages(part, StageNames(Technique::kRig));
+  request.part_until = IfGiven<std::string>(part.until);
+  request.part_from = IfGiven<std::string>(part.from);
   request.plan = {
       request.part.dataset,   a.split,           a.max_frames, a.overlap, request.part.threads,
       request.part.memory_mb, request.part.truth};

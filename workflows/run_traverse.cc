@@ -30,19 +30,22 @@ PartRequest RequestOf(const PartJob& job, const RunRequest& request) {
   part.dataset = job.dataset;
   part.out = request.part.out / "parts" / job.name;
   part.truth = job.truth;
+  part.until = request.part_until;
+  part.from = request.part_from;
   return part;
 }
 
 // Whether the parts come as far as a join needs them.
-bool CanBeJoined(const PartRequest& part) {
-  if (!part.until) return true;
+bool CanBeJoined(const RunRequest& request) {
+  if (!request.part_until) return true;
   const auto stages = StageNames(Technique::kRig);
-  return std::ranges::find(stages, *part.until) >= std::ranges::find(stages, kFirstToJoin);
+  return std::ranges::find(stages, *request.part_until) >= std::ranges::find(stages, kFirstToJoin);
 }
 
 // What is about to happen, for people.
-void Announce(const TraversePlan& plan, const PartRequest& part) {
-  double seconds = CanBeJoined(part) ? EstimatedJoinSeconds(plan, part.threads) : 0.0;
+void Announce(const TraversePlan& plan, const RunRequest& request) {
+  const PartRequest& part = request.part;
+  double seconds = CanBeJoined(request) ? EstimatedJoinSeconds(plan, part.threads) : 0.0;
   for (const PartJob& job : plan.jobs) seconds += EstimatedSeconds(job, part.threads);
   const int at_once = PartsAtOnce(plan, part.threads, part.memory_mb);
   fmt::print(stderr,
@@ -194,11 +197,11 @@ PartResult RunTraverse(const RunRequest& request) {
   if (!request.part.force) RequireSameTraverse(out, planned);
   RequireDisk(plan, out);
   fs::create_directories(out / "parts");
-  if (!request.part.quiet) Announce(plan, request.part);
+  if (!request.part.quiet) Announce(plan, request);
   WriteFileAtomically(out / "plan.json",
                       [&](std::ostream& stream) { stream << planned.dump(1) << "\n"; });
   const JoinRequest join = WhatWasDone(plan, Parts(plan, request).Do(), request);
-  return CanBeJoined(request.part) ? JoinParts(join) : WithoutJoin(join);
+  return CanBeJoined(request) ? JoinParts(join) : WithoutJoin(join);
 }
 
 }  // namespace rigmap

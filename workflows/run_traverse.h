@@ -3,6 +3,8 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
+#include <string>
 
 #include "workflows/part_request.h"
 #include "workflows/reconstruct_part.h"
@@ -13,12 +15,14 @@ namespace rigmap {
 struct RunRequest {
   PlanRequest plan;
   bool use_rtk = false;  // JoinRequest::use_rtk
-  PartRequest part;      // how each part is done; its dataset, out and truth are those of the whole
+  // How each part is done; its dataset, out, truth, until and from are those of the whole.
+  PartRequest part;
+  std::optional<std::string> part_until, part_from;  // stages of a part
 };
 
 // Leaves each part in part.out/parts/<name>, the plan in part.out/plan.json and the whole, as
 // JoinParts does, in part.out. A part that fails, whatever it throws, is named, and the others are
-// joined without it; the result is then not trusted. Where part.until ends before what a join needs
+// joined without it; the result is then not trusted. Where part_until ends before what a join needs
 // there are the parts alone. Throws UsageError and DataError as PlanTraverse and JoinParts, before
 // any part is done where use_rtk has no fixes or antenna, and one of them where no part can be
 // done.

@@ -164,11 +164,24 @@ TEST_F(SurfaceOfASimulatedPart, LiesOnTheEarthWhereItsFixesSay) {
 // Cut in two, tied by the frames that both have and by its fixes.
 TEST_F(SurfaceOfASimulatedPart, IsTheSameJoinedOfPartsAndTiedToItsFixes) {
   const fs::path joined = folder_->Path() / "joined";
-  const ProgramEnd end =
-      RunRigmap({"run", "--dataset", folder_->Path() / "simulated" / "data", "--split", "2",
-                 "--overlap", "4", "--accuracy", "2", "--use-rtk", "--truth",
-                 folder_->Path() / "simulated" / "truth", "--out", joined, "--quiet"});
+  const auto run = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> arguments{
+        "run",       "--dataset",  folder_->Path() / "simulated" / "data",
+        "--split",   "2",          "--overlap",
+        "4",         "--accuracy", "2",
+        "--use-rtk", "--truth",    folder_->Path() / "simulated" / "truth",
+        "--out",     joined,       "--quiet"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return RunRigmap(arguments);
+  };
+  const ProgramEnd poses = run({"--until", "rtk"});  // and then the rest
+  ASSERT_EQ(poses.exit_code, 0) << poses.err;
+  const std::string trajectory = ReadTextFile(joined / "trajectory.tum");
+  EXPECT_FALSE(fs::exists(joined / "dense.ply"));
+  EXPECT_FALSE(fs::exists(joined / "parts" / "1.1" / "dense.ply"));
+  const ProgramEnd end = run({});
   ASSERT_EQ(end.exit_code, 0) << end.err;
+  EXPECT_EQ(ReadTextFile(joined / "trajectory.tum"), trajectory);
   const json use = json::parse(ReadTextFile(joined / "summary.json"))["rtk_use"];
   EXPECT_GE(use["tying"].get<int>() + use["judging"].get<int>(), 9);
   // Some ten fixes good to some millimetres cannot better a path good to tenths of one.

@@ -238,6 +238,9 @@ TEST_F(TraverseTest, KnowsBeforeAnyPartIsDoneThatNoFixesCanTieIt) {
   const ProgramEnd end = Run({"--use-rtk"});
   EXPECT_EQ(end.exit_code, 1);
   EXPECT_THAT(end.LastErrorLine(), HasSubstr("--use-rtk: expected"));
+  const ProgramEnd by_images = Run({"--until", "rtk"});
+  EXPECT_EQ(by_images.exit_code, 2);
+  EXPECT_THAT(by_images.LastErrorLine(), HasSubstr("--until rtk: expected --use-rtk beside it"));
   EXPECT_FALSE(fs::exists(out_));
 }
 
