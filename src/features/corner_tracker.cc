@@ -57,10 +57,10 @@ std::vector<std::optional<cv::Point2f>> FollowThereAndBack(const ImagePair& imag
 }
 
 // The homography that most corners moved by: ground is a plane, more or less. Empty where too few
-// agree.
+// agree, as of those that are found by chance.
 cv::Mat GroundMotion(const std::vector<cv::Point2f>& from,
                      const std::vector<std::optional<cv::Point2f>>& to) {
-  constexpr std::size_t kLeast = 20;
+  constexpr int kLeast = 20;
   constexpr double kOff_px = 5.0;  // of what is no plane; the search takes the rest up
   std::vector<cv::Point2f> a, b;
   for (std::size_t i = 0; i < from.size(); ++i) {
@@ -68,8 +68,12 @@ cv::Mat GroundMotion(const std::vector<cv::Point2f>& from,
     a.push_back(from[i]);
     b.push_back(*to[i]);
   }
-  if (a.size() < kLeast) return {};
-  return cv::findHomography(a, b, cv::RANSAC, kOff_px);
+  const int found = static_cast<int>(a.size());
+  if (found < kLeast) return {};
+  cv::Mat agree;
+  cv::Mat motion = cv::findHomography(a, b, cv::RANSAC, kOff_px, agree);
+  if (motion.empty() || cv::countNonZero(agree) < std::max(kLeast, found / 2)) return {};
+  return motion;
 }
 
 // Once more those that have not been found, from where the motion takes them; none without one.
