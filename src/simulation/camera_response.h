@@ -9,7 +9,7 @@ namespace rigmap {
 
 struct CameraResponse {
   double exposure = 0.86;     // full scale per radiance, at the image's centre
-  double blur_px = 0.6;       // one standard deviation of the lens's and the colour filter's blur
+  double blur_px = 0.3;       // one standard deviation of the colour filter's blur
   double vignetting = 0.22;   // share of light that the corners lose
   double bloom = 0.25;        // share of what is above full scale that spreads around it
   double smear = 0.0002;      // and that each saturated pixel adds to its column, as a CCD does

@@ -158,19 +158,23 @@ class ViewRenderer::View {
   Colour OnSand(const RayHit& hit, const Eigen::Vector3f& position,
                 const PixelFootprint& cover) const {
     const int samples = cover.Samples();
-    const float extent_m = std::max(cover.across_m, cover.along_m / static_cast<float>(samples));
+    const float extent_m = cover.Extent_m();
     const bool is_dune = position.x() > parts_.options.terrain.hinterland_m;
     Colour sum = Colour::Zero();
+    float weights = 0.0f;
     for (int i = 0; i < samples; ++i) {
-      const float share = (static_cast<float>(i) + 0.5f) / static_cast<float>(samples) - 0.5f;
-      const Eigen::Vector3f at = position + share * cover.along;
+      const float share =
+          (2.0f * static_cast<float>(i) + 1.0f) / static_cast<float>(samples) - 1.0f;
+      const Eigen::Vector3f at = position + kSpotReach_px * share * cover.along;
       const Eigen::Vector2d flat = at.head<2>().cast<double>();
       const SandState sand = parts_.sand->At(hit.facet, flat, extent_m);
-      sum += Lit(is_dune ? DuneAppearance(flat, extent_m, seed_)
-                         : SandAppearance(flat, extent_m, sand.tone, contrast_, seed_),
-                 sand.light, at);
+      const float weight = 1.0f - std::abs(share);
+      weights += weight;
+      sum += weight * Lit(is_dune ? DuneAppearance(flat, extent_m, seed_)
+                                  : SandAppearance(flat, extent_m, sand.tone, contrast_, seed_),
+                          sand.light, at);
     }
-    return sum / static_cast<float>(samples);
+    return sum / weights;
   }
 
   Colour OnSolid(const RayHit& hit, const Eigen::Vector3f& position,
@@ -182,7 +186,7 @@ class ViewRenderer::View {
     const Light light{w * la.sun + u * lb.sun + v * lc.sun,
                       w * la.visible + u * lb.visible + v * lc.visible,
                       w * la.sky + u * lb.sky + v * lc.sky};
-    const float extent_m = std::max(cover.across_m, cover.along_m / 2.0f);
+    const float extent_m = kSpotReach_px * std::max(cover.across_m, cover.along_m / 2.0f);
     Appearance appearance{solid.albedo[a]};
     if (solid.kind == SurfaceKind::kSea) {
       appearance = SeaAppearance(position.head<2>().cast<double>(), extent_m, seed_);
@@ -249,8 +253,16 @@ cv::Mat ViewRenderer::Render(const Rigid3& world_from_camera,
            std::abs(before.nearness + after.nearness - 2.0f * here.nearness) >
                kBend * here.nearness;
   };
-  constexpr std::array<std::array<float, 2>, 4> kOffsets{
-      {{-0.125f, -0.375f}, {0.375f, -0.125f}, {0.125f, 0.375f}, {-0.375f, 0.125f}}};
+  // As far spread as the spot is, no two in a row or column.
+  constexpr float kRay = 0.125f;  // of the light, and in px
+  constexpr std::array<std::array<float, 2>, 8> kOffsets{{{kRay, -3.0f * kRay},
+                                                          {-kRay, 3.0f * kRay},
+                                                          {5.0f * kRay, kRay},
+                                                          {-3.0f * kRay, -5.0f * kRay},
+                                                          {-5.0f * kRay, 5.0f * kRay},
+                                                          {-7.0f * kRay, -kRay},
+                                                          {3.0f * kRay, 7.0f * kRay},
+                                                          {7.0f * kRay, -7.0f * kRay}}};
   cv::Mat image(height, width, CV_32FC3);
   for (int row = 0; row < height; ++row) {
     auto* pixels = image.ptr<cv::Vec3f>(row);
@@ -259,10 +271,12 @@ cv::Mat ViewRenderer::Render(const Rigid3& world_from_camera,
       Colour colour = samples[at].colour;
       const bool inside = row > 0 && column > 0 && row < height - 1 && column < width - 1;
       if (inside && (is_edge(at, 1) || is_edge(at, width))) {
+        const float turn = (row + column) % 2 == 0 ? 1.0f : -1.0f;  // by half, at every other pixel
         colour.setZero();
         for (const auto& [x, y] : kOffsets) {
-          colour +=
-              0.25f * view.At(static_cast<float>(column) + x, static_cast<float>(row) + y).colour;
+          colour += kRay * view.At(static_cast<float>(column) + turn * x,
+                                   static_cast<float>(row) + turn * y)
+                               .colour;
         }
       }
       pixels[column] = cv::Vec3f(colour.x(), colour.y(), colour.z());

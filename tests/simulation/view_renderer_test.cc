@@ -245,7 +245,7 @@ TEST(ViewRenderer, EdgesAreSmoothAndWhereTheLensPutsThem) {
     ++rows;
   }
   EXPECT_NEAR(sum_px / rows, 0.0, 0.03);
-  EXPECT_LT(most_px, 0.3);  // a quarter of a pixel is what four rays tell
+  EXPECT_LT(most_px, 0.3);  // a quarter of a pixel is what eight rays tell
   EXPECT_GT(between, rows);
 }
 
