@@ -6,13 +6,8 @@
 namespace rigmap {
 
 int PixelFootprint::Samples() const {
-  constexpr float kMost = 8.0f;
-  const float count = 2.0f * along_m / (1.4f * across_m);
-  return static_cast<int>(std::clamp(count + 0.5f, 3.0f, kMost));
-}
-
-float PixelFootprint::Extent_m() const {
-  return kSpotReach_px * std::max(across_m, 2.0f * along_m / static_cast<float>(Samples()));
+  constexpr int kMost = 4;
+  return std::clamp(static_cast<int>(along_m / (1.4f * across_m) + 0.5f), 1, kMost);
 }
 
 PixelFootprint FootprintOn(const Eigen::Vector3f& direction, const RaySteps& steps,

@@ -10,6 +10,7 @@
 #include "core/error.h"
 #include "simulation/internal/materials.h"
 #include "simulation/internal/pixel_footprint.h"
+#include "simulation/internal/ray_image.h"
 #include "simulation/internal/world_parts.h"
 
 namespace rigmap {
@@ -23,7 +24,7 @@ const Colour kSun(1.95f, 1.82f, 1.60f);
 const Colour kSky(0.50f, 0.53f, 0.57f);
 constexpr float kSunRayLift_m = 0.003f;  // where rays towards the sun start
 constexpr float kSky_m = 1e6f;           // stands for the sky's distance
-constexpr std::uint32_t kNoThing = 0xFFFFFFFFu, kFirstBody = 0xFFFFFFF0u;
+constexpr std::uint32_t kFirstBody = 0xFFFFFFF0u;
 
 }  // namespace
 
@@ -48,30 +49,36 @@ class ViewRenderer::View {
     }
   }
 
-  struct Sample {
-    Colour colour = Colour::Zero();
-    float nearness = 0.0f;           // 1 / distance
-    std::uint32_t thing = kNoThing;  // differs between things that an edge may lie between
-  };
-
   // At a place in the image, in pixels.
-  Sample At(float column, float row) const {
+  RaySample At(float column, float row) const {
     const int x = static_cast<int>(std::floor(column)), y = static_cast<int>(std::floor(row));
     const Eigen::Vector3f direction = rotation_ * RayAt(column, row);
     return SampleAlong(direction, parts_.scene.Cast({origin_, direction}), StepsAt(x, y));
   }
 
-  // The centres of the pixels of a row.
-  void Row(int row, std::span<Sample> samples) const {
+  // Of a pixel and all around it, by single rays.
+  Colour Around(int column, int row) const {
+    const float turn = (row + column) % 2 == 0 ? 1.0f : -1.0f;  // by half, at every other pixel
+    const auto x = static_cast<float>(column), y = static_cast<float>(row);
+    Colour sum = Colour::Zero();
+    for (const auto& [right, down] : kRaysAround) {
+      sum += kRayShare * At(x + turn * right, y + turn * down).colour;
+    }
+    return sum;
+  }
+
+  // A row of rays, 0.25 px before or behind a row of pixels.
+  void Row(float row, std::span<RaySample> samples) const {
+    const int above = static_cast<int>(std::floor(row));
     const int width = static_cast<int>(samples.size());
     for (int first = 0; first < width; first += 8) {
       RayScene::Directions directions;
       for (int i = 0; i < 8; ++i) {
-        directions[i] = rotation_ * RayOf(std::min(first + i, width - 1), row);
+        directions[i] = rotation_ * RayAt(static_cast<float>(std::min(first + i, width - 1)), row);
       }
       const auto hits = parts_.scene.Cast(origin_, directions);
       for (int i = 0; i < std::min(8, width - first); ++i) {
-        samples[first + i] = SampleAlong(directions[i], hits[i], StepsAt(first + i, row));
+        samples[first + i] = SampleAlong(directions[i], hits[i], StepsAt(first + i, above));
       }
     }
   }
@@ -89,11 +96,11 @@ class ViewRenderer::View {
         .normalized();
   }
 
-  // From a pixel's ray to its neighbours' to the right and below.
+  // Of what a ray stands for, to the right and down.
   RaySteps StepsAt(int column, int row) const {
     const Eigen::Vector3f& here = RayOf(column, row);
-    return {rotation_ * (RayOf(column + 1, row) - here),
-            rotation_ * (RayOf(column, row + 1) - here)};
+    return {RayImage::kRayWidth_px * (rotation_ * (RayOf(column + 1, row) - here)),
+            RayImage::kRayHeight_px * (rotation_ * (RayOf(column, row + 1) - here))};
   }
 
   Ray InBody(std::size_t i, const Eigen::Vector3f& origin, const Eigen::Vector3f& direction) const {
@@ -107,10 +114,10 @@ class ViewRenderer::View {
     return false;
   }
 
-  Sample SampleAlong(const Eigen::Vector3f& direction, const std::optional<RayHit>& hit,
-                     const RaySteps& steps) const {
+  RaySample SampleAlong(const Eigen::Vector3f& direction, const std::optional<RayHit>& hit,
+                        const RaySteps& steps) const {
     float distance_m = hit ? hit->distance : kSky_m;
-    std::optional<Sample> body;
+    std::optional<RaySample> body;
     for (std::size_t i = 0; i < bodies_.size(); ++i) {
       Ray ray = InBody(i, origin_, direction);
       ray.last = distance_m;
@@ -120,7 +127,7 @@ class ViewRenderer::View {
       }
     }
     if (body) return *body;
-    if (!hit) return {SkyRadiance(direction, sun_, seed_), 0.0f, kNoThing};
+    if (!hit) return {SkyRadiance(direction, sun_, seed_), 0.0f, RaySample::kNoThing};
     Eigen::Vector3f normal = hit->normal.normalized();
     if (normal.dot(direction) > 0.0f) normal = -normal;
     const Eigen::Vector3f position = origin_ + distance_m * direction;
@@ -158,23 +165,19 @@ class ViewRenderer::View {
   Colour OnSand(const RayHit& hit, const Eigen::Vector3f& position,
                 const PixelFootprint& cover) const {
     const int samples = cover.Samples();
-    const float extent_m = cover.Extent_m();
+    const float extent_m = std::max(cover.across_m, cover.along_m / static_cast<float>(samples));
     const bool is_dune = position.x() > parts_.options.terrain.hinterland_m;
     Colour sum = Colour::Zero();
-    float weights = 0.0f;
     for (int i = 0; i < samples; ++i) {
-      const float share =
-          (2.0f * static_cast<float>(i) + 1.0f) / static_cast<float>(samples) - 1.0f;
-      const Eigen::Vector3f at = position + kSpotReach_px * share * cover.along;
+      const float share = (static_cast<float>(i) + 0.5f) / static_cast<float>(samples) - 0.5f;
+      const Eigen::Vector3f at = position + share * cover.along;
       const Eigen::Vector2d flat = at.head<2>().cast<double>();
       const SandState sand = parts_.sand->At(hit.facet, flat, extent_m);
-      const float weight = 1.0f - std::abs(share);
-      weights += weight;
-      sum += weight * Lit(is_dune ? DuneAppearance(flat, extent_m, seed_)
-                                  : SandAppearance(flat, extent_m, sand.tone, contrast_, seed_),
-                          sand.light, at);
+      sum += Lit(is_dune ? DuneAppearance(flat, extent_m, seed_)
+                         : SandAppearance(flat, extent_m, sand.tone, contrast_, seed_),
+                 sand.light, at);
     }
-    return sum / weights;
+    return sum / static_cast<float>(samples);
   }
 
   Colour OnSolid(const RayHit& hit, const Eigen::Vector3f& position,
@@ -186,7 +189,7 @@ class ViewRenderer::View {
     const Light light{w * la.sun + u * lb.sun + v * lc.sun,
                       w * la.visible + u * lb.visible + v * lc.visible,
                       w * la.sky + u * lb.sky + v * lc.sky};
-    const float extent_m = kSpotReach_px * std::max(cover.across_m, cover.along_m / 2.0f);
+    const float extent_m = std::max(cover.across_m, cover.along_m / 2.0f);
     Appearance appearance{solid.albedo[a]};
     if (solid.kind == SurfaceKind::kSea) {
       appearance = SeaAppearance(position.head<2>().cast<double>(), extent_m, seed_);
@@ -196,7 +199,7 @@ class ViewRenderer::View {
     return Lit(appearance, light, position);
   }
 
-  Sample OnBody(std::size_t i, const RayHit& hit) const {
+  RaySample OnBody(std::size_t i, const RayHit& hit) const {
     const Body& body = *bodies_[i].body;
     const Eigen::Vector3f normal = (turns_[i].transpose() * hit.normal).normalized();
     const Colour light =
@@ -239,46 +242,14 @@ ViewRenderer::ViewRenderer(const World& world, const Camera& camera)
 cv::Mat ViewRenderer::Render(const Rigid3& world_from_camera,
                              std::span<const PosedBody> bodies) const {
   const View view(*this, world_from_camera, bodies);
-  const int width = camera_.width, height = camera_.height;
-  std::vector<View::Sample> samples(static_cast<std::size_t>(width) * height);
-  for (int row = 0; row < height; ++row) {
-    view.Row(row, std::span(samples).subspan(static_cast<std::size_t>(row) * width, width));
-  }
-  // An edge passes where the neighbours are of other things, or do not lie on one plane.
-  const auto is_edge = [&](int at, int step) {
-    constexpr float kBend = 0.02f;
-    const View::Sample &here = samples[at], &before = samples[at - step],
-                       &after = samples[at + step];
-    return here.thing != before.thing || here.thing != after.thing ||
-           std::abs(before.nearness + after.nearness - 2.0f * here.nearness) >
-               kBend * here.nearness;
-  };
-  // As far spread as the spot is, no two in a row or column.
-  constexpr float kRay = 0.125f;  // of the light, and in px
-  constexpr std::array<std::array<float, 2>, 8> kOffsets{{{kRay, -3.0f * kRay},
-                                                          {-kRay, 3.0f * kRay},
-                                                          {5.0f * kRay, kRay},
-                                                          {-3.0f * kRay, -5.0f * kRay},
-                                                          {-5.0f * kRay, 5.0f * kRay},
-                                                          {-7.0f * kRay, -kRay},
-                                                          {3.0f * kRay, 7.0f * kRay},
-                                                          {7.0f * kRay, -7.0f * kRay}}};
-  cv::Mat image(height, width, CV_32FC3);
-  for (int row = 0; row < height; ++row) {
+  RayImage rays({camera_.width, camera_.height});
+  for (int i = 0; i < rays.RayRows(); ++i) view.Row(RayImage::RowOf(i), rays.Row(i));
+  cv::Mat image(camera_.height, camera_.width, CV_32FC3);
+  for (int row = 0; row < image.rows; ++row) {
     auto* pixels = image.ptr<cv::Vec3f>(row);
-    for (int column = 0; column < width; ++column) {
-      const int at = row * width + column;
-      Colour colour = samples[at].colour;
-      const bool inside = row > 0 && column > 0 && row < height - 1 && column < width - 1;
-      if (inside && (is_edge(at, 1) || is_edge(at, width))) {
-        const float turn = (row + column) % 2 == 0 ? 1.0f : -1.0f;  // by half, at every other pixel
-        colour.setZero();
-        for (const auto& [x, y] : kOffsets) {
-          colour += kRay * view.At(static_cast<float>(column) + turn * x,
-                                   static_cast<float>(row) + turn * y)
-                               .colour;
-        }
-      }
+    for (int column = 0; column < image.cols; ++column) {
+      const Colour colour =
+          rays.IsAtEdge(column, row) ? view.Around(column, row) : rays.ThroughLens(column, row);
       pixels[column] = cv::Vec3f(colour.x(), colour.y(), colour.z());
     }
   }

@@ -20,8 +20,9 @@ class ViewRenderer {
   // in the image.
   ViewRenderer(const World& world, const Camera& camera);
 
-  // Red, green, blue per pixel (CV_32FC3): sunlit sand is about 0.4. Each pixel is one ray through
-  // its centre, with surfaces averaged over what the pixel covers, and more rays where edges cross.
+  // Red, green, blue per pixel (CV_32FC3): sunlit sand is about 0.4. Each pixel is what a
+  // lens makes of six rays above each other, with surfaces averaged over what these cover, or of
+  // eight all around where edges cross.
   cv::Mat Render(const Rigid3& world_from_camera, std::span<const PosedBody> bodies = {}) const;
 
  private:

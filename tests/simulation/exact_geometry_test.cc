@@ -10,7 +10,6 @@
 #include <opencv2/imgproc.hpp>
 #include <optional>
 
-#include "correspondence/patch_alignment.h"
 #include "geometry/rectification.h"
 #include "geometry/triangulation.h"
 #include "imaging/rectifier.h"
@@ -227,37 +226,6 @@ TEST(ExactGeometry, TriangulatedDiscsAndTrueDepthAgree) {
 }
 
 // Patches of the rectified pictures, compared at the true disparity and a row above and below.
-// Ground seen again a quarter of a pixel further down. What is finer than two pixels, were it still
-// there, would stay where it is in them and hold windows back.
-TEST(ExactGeometry, TextureMovesWithTheGroundAndNotWithPixels) {
-  constexpr double kShift_px = 0.25;
-  Camera camera = Scaled(LocCamRig(), 0.5).left.camera;
-  std::array<cv::Mat, 2> greys;
-  for (int i = 0; i < 2; ++i) {
-    const ViewRenderer renderer(SmallWorld(), camera);
-    cv::cvtColor(TakePicture(renderer.Render(SmallDrive().front()), {},
-                             {.noise_seed = static_cast<std::uint32_t>(i)}),
-                 greys[i], cv::COLOR_BGR2GRAY);
-    camera.cy += kShift_px;
-  }
-  const auto view = [](const cv::Mat& grey) {
-    return GreyView{grey.data, grey.cols, grey.rows, static_cast<int>(grey.step)};
-  };
-  double sum_px = 0.0;
-  int windows = 0;
-  for (int v = camera.height / 2; v < camera.height - 12; v += 6) {
-    for (int u = 12; u < camera.width - 12; u += 6) {
-      const auto found =
-          AlignPatch(view(greys[0]), {u, v}, view(greys[1]), {.position = {u, v + kShift_px}}, {});
-      if (!found || found->sigma_px > 0.1) continue;
-      sum_px += found->warp.position.y() - v - kShift_px;
-      ++windows;
-    }
-  }
-  ASSERT_GT(windows, 1000);
-  EXPECT_LT(std::abs(sum_px / windows), 0.003);
-}
-
 TEST(ExactGeometry, RowsOfTheSandAgreeAfterRectification) {
   const StereoRig rig = Scaled(LocCamRig(), 0.5);
   const Rigid3 pose = SmallDrive().front();
