@@ -118,8 +118,9 @@ CornerTracker::Corners CornerTracker::Follow(const cv::Mat& grey, const cv::Mat&
   if (last_.pixels.empty() || last_grey_.empty()) return found;
   const ImagePair images{last_grey_, grey};
   auto there = FollowThereAndBack(images, last_.pixels, last_.pixels, options_);
-  const cv::Mat told = GroundMotion(last_.pixels, there);
-  FollowLost(images, last_.pixels, told.empty() ? last_motion_ : told, options_, there);
+  // Few that are found, by chance, may agree on another motion than the ground's.
+  FollowLost(images, last_.pixels, GroundMotion(last_.pixels, there), options_, there);
+  FollowLost(images, last_.pixels, last_motion_, options_, there);
   last_motion_ = GroundMotion(last_.pixels, there);
   for (std::size_t i = 0; i < there.size(); ++i) {
     if (!there[i] || !IsUsable(mask, *there[i])) continue;
