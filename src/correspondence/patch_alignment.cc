@@ -250,6 +250,7 @@ std::optional<PatchAlignment> AlignPatch(const GreyView& source, const Eigen::Ve
   if (solver.info() != Eigen::Success || !(solver.rcond() > 1e-8)) return std::nullopt;
   const Offsets offsets(window.shape, start);  // the bend is not searched
   SplineImage spline(target);
+  // As far as a pixel follows.
   const Eigen::AlignedBox2d frame(Eigen::Vector2d::Zero(),
                                   Eigen::Vector2d(target.width - 1.001, target.height - 1.001));
   SharpenedTemplate sharpened(source, centre, window);
