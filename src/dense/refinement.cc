@@ -4,6 +4,8 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
+#include "dense/internal/step_windows.h"
+
 namespace rigmap {
 namespace {
 
@@ -14,6 +16,7 @@ constexpr float kRounding2 = 1.0F / 6.0F;  // of the difference of two grey valu
 // residuals of two such views twice as much.
 constexpr float kNoiseGradient2 = 0.25F;  // of the residuals' variance
 constexpr double kTextureSigmas = 1.0;    // by which texture has to stand out from noise
+constexpr float kLeastCount = 9.0F;       // pixels of a window that tell gradients from noise
 
 // Means over a window of what is known in it.
 class WindowMean {
@@ -59,6 +62,37 @@ Differences Compare(const cv::Mat& left, const cv::Mat& right, const cv::Mat& di
   return found;
 }
 
+// WindowMoments of all pixels.
+struct Moments {
+  cv::Mat counts, gradient2, product, residual2;
+};
+
+Moments MomentsOf(const cv::Mat& disparity, const Differences& differences, int side_px) {
+  const auto& [residual, gradient] = differences;
+  cv::Mat known;
+  cv::Mat(disparity > 0.0F).convertTo(known, CV_32F, 1.0 / 255.0);
+  const WindowMean mean(known, side_px);
+  // Without the means over the window, since the views may differ in brightness.
+  const cv::Mat mean_residual = mean.Of(residual), mean_gradient = mean.Of(gradient);
+  Moments moments{mean.Counts(), mean.Of(gradient.mul(gradient)) - mean_gradient.mul(mean_gradient),
+                  mean.Of(gradient.mul(residual)) - mean_gradient.mul(mean_residual),
+                  mean.Of(residual.mul(residual)) - mean_residual.mul(mean_residual)};
+  const StepWindows windows(disparity, residual, gradient, side_px);
+  for (int row = 0; row < disparity.rows; ++row) {
+    const auto* reaching = windows.Reaching().ptr<uchar>(row);
+    for (int column = 0; column < disparity.cols; ++column) {
+      if (reaching[column] == 0) continue;
+      const WindowMoments own = windows.At(row, column);
+      const bool is_enough = own.count >= kLeastCount;  // else nothing is known
+      moments.counts.at<float>(row, column) = std::max(own.count, 1.0F);
+      moments.gradient2.at<float>(row, column) = is_enough ? own.gradient2 : 0.0F;
+      moments.product.at<float>(row, column) = own.product;
+      moments.residual2.at<float>(row, column) = own.residual2;
+    }
+  }
+  return moments;
+}
+
 }  // namespace
 
 RefinedDisparity RefineDisparity(const cv::Mat& left, const cv::Mat& right,
@@ -66,16 +100,9 @@ RefinedDisparity RefineDisparity(const cv::Mat& left, const cv::Mat& right,
   const int radius_px = options.smoothing_px / 2;
   const cv::Mat coarse = SmoothDisparity(disparity, radius_px);
   const cv::Mat is_known = coarse > 0.0F;
-  cv::Mat known;
-  is_known.convertTo(known, CV_32F, 1.0 / 255.0);
-  const WindowMean mean(known, options.refinement_px);
-  const auto [residual, gradient] = Compare(left, right, coarse);
-  // Without the means over the window, since the views may differ in brightness.
-  const cv::Mat mean_residual = mean.Of(residual), mean_gradient = mean.Of(gradient);
-  const cv::Mat gradient2 =
-      cv::max(mean.Of(gradient.mul(gradient)) - mean_gradient.mul(mean_gradient), kLeastGradient2);
-  const cv::Mat product = mean.Of(gradient.mul(residual)) - mean_gradient.mul(mean_residual);
-  const cv::Mat residual2 = mean.Of(residual.mul(residual)) - mean_residual.mul(mean_residual);
+  const auto [counts, variance, product, residual2] =
+      MomentsOf(coarse, Compare(left, right, coarse), options.refinement_px);
+  const cv::Mat gradient2 = cv::max(variance, kLeastGradient2);
   // A larger disparity looks further left: the view changes by minus the gradient.
   const cv::Mat step = -product / gradient2;
   RefinedDisparity refined;
@@ -83,7 +110,7 @@ RefinedDisparity RefineDisparity(const cv::Mat& left, const cv::Mat& right,
   refined.disparity.setTo(0.0F, ~is_known | (refined.disparity <= 0.0F));
   const cv::Mat unexplained = cv::max(residual2 + step.mul(product), kRounding2);
   // A mean over n squares of noise has the relative sigma sqrt(2 / n).
-  const cv::Mat noise_gradient2 = kNoiseGradient2 * unexplained, counts = mean.Counts();
+  const cv::Mat noise_gradient2 = kNoiseGradient2 * unexplained;
   cv::Mat spread;
   cv::sqrt(2.0 / counts, spread);
   const cv::Mat textured = gradient2 > noise_gradient2.mul(1.0 + kTextureSigmas * spread);

@@ -5,11 +5,11 @@
 #include <vector>
 
 #include "core/statistics.h"
+#include "dense/internal/step_windows.h"
 
 namespace rigmap {
 namespace {
 
-constexpr double kStepPx = 1.5;   // a matcher is not further off on one surface
 constexpr double kErrorPx = 0.1;  // of a refined disparity
 constexpr int kWindow = 3;
 // A mean over n squares has the relative sigma sqrt(2 / n). Of nine pixels a resampled view tells
@@ -75,7 +75,7 @@ cv::Mat WidenedEdges(const cv::Mat& left, const cv::Mat& right, const cv::Mat& d
   behind.setTo(1e6F, ~is_known);
   const int reach_px = options.block_px / 2 + options.refinement_px / 2;
   cv::erode(behind, behind, cv::Mat::ones(2 * reach_px + 1, 2 * reach_px + 1, CV_8U));
-  const cv::Mat is_edge = is_known & (disparity - behind > kStepPx);
+  const cv::Mat is_edge = is_known & (disparity - behind > kDepthStepPx);
   if (cv::countNonZero(is_edge) == 0) return is_edge;
 
   cv::Mat known;

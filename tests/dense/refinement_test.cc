@@ -246,6 +246,28 @@ TEST(RefineDisparity, PutsNothingBetweenTheSidesOfAStep) {
   EXPECT_NEAR(errors[errors.size() / 2], 0.0, 0.02) << "px";
 }
 
+// A matcher errs differently on either side; a window over both would find the mean of it.
+TEST(RefineDisparity, TellsTheSidesOfAStepApart) {
+  constexpr int kReachPx = 4;  // of the windows
+  SeededRandom random;
+  const ViewPair pair = Render(Texture(random, 20.0), Step, random);
+  const cv::Mat rough = KnownWhereSeen([](int column, int row) {
+    const double truth = Step(column, row);
+    return truth < 23.0 ? truth - 0.3 : truth + 0.3;
+  });
+  cv::Mat refined = RefineDisparity(pair.left, pair.right, rough, {}).disparity;
+  for (int row = 0; row < kRows; ++row) {
+    const int last_below = static_cast<int>(std::ceil(190.0 - 0.3 * row)) - 1;
+    for (int column = kFirstColumn; column < kColumns; ++column) {
+      const bool is_beside = std::abs(column - last_below - 0.5) < kReachPx;
+      if (!is_beside) refined.at<float>(row, column) = 0.0F;
+    }
+  }
+  const auto errors = Errors(refined, Step);
+  ASSERT_GT(errors.size(), 0.95 * 2 * kReachPx * kRows);
+  EXPECT_LT(Rms(errors), 0.1) << "px, of 0.3";
+}
+
 TEST(SmoothDisparity, KeepsAPlane) {
   SeededRandom random;
   cv::Mat plane = KnownWhereSeen(Affine);
