@@ -17,6 +17,7 @@
 #include "pipeline/code_identity.h"
 #include "workflows/calibrate.h"
 #include "workflows/command_documents.h"
+#include "workflows/compare_arguments.h"
 #include "workflows/evaluate_part.h"
 #include "workflows/join.h"
 #include "workflows/join_recipe.h"

@@ -47,19 +47,6 @@ void AddHow(CLI::App* command, PartArguments& a) {
   command->add_flag("--quiet", a.quiet, "No progress, errors only");
 }
 
-// What a part is made from and how good it has to be: of all commands that reconstruct one.
-CLI::Option* AddPartInputs(CLI::App* part, PartArguments& a) {
-  CLI::Option* dataset =
-      part->add_option("--dataset", a.dataset, "Katwijk root or part, or stereo folder");
-  part->add_option("--traverse", a.traverse, "Traverse of a Katwijk root");
-  part->add_option("--part", a.part, "Part of the traverse");
-  part->add_option("--rig", a.rig, "Rig file, instead of the one beside the data");
-  part->add_option("--format", a.format, "katwijk or stereo, instead of what is recognised");
-  part->add_option("--frames", a.frames, "FIRST:END of the paired frames, END excluded");
-  AddHow(part, a);
-  return dataset;
-}
-
 // Where the results go, and how much is done.
 void AddWhere(CLI::App* command, PartArguments& a) {
   command->add_option("--out", a.out, "Folder for the results")->required();
@@ -155,6 +142,18 @@ PartRequest MakeRequestWithoutStages(const PartArguments& a, std::string command
 }
 
 }  // namespace
+
+CLI::Option* AddPartInputs(CLI::App* part, PartArguments& a) {
+  CLI::Option* dataset =
+      part->add_option("--dataset", a.dataset, "Katwijk root or part, or stereo folder");
+  part->add_option("--traverse", a.traverse, "Traverse of a Katwijk root");
+  part->add_option("--part", a.part, "Part of the traverse");
+  part->add_option("--rig", a.rig, "Rig file, instead of the one beside the data");
+  part->add_option("--format", a.format, "katwijk or stereo, instead of what is recognised");
+  part->add_option("--frames", a.frames, "FIRST:END of the paired frames, END excluded");
+  AddHow(part, a);
+  return dataset;
+}
 
 void AddPart(CLI::App& app, PartArguments& a) {
   CLI::App* part = app.add_subcommand("part", "Reconstruct one part of a traverse");
@@ -263,51 +262,6 @@ std::string PrintPlan(const RunArguments& a) {
     more.insert(more.end(), {"--accuracy", fmt::format("{}", *a.part.accuracy_pct)});
   }
   return WriteSbatch(plan, request.plan, more);
-}
-
-CLI::App* AddCompare(CLI::App& app, CompareArguments& a) {
-  CLI::App* compare =
-      app.add_subcommand("compare",
-                         "Reconstruct a part, or all parts of a traverse, in several "
-                         "ways, and set results side by side");
-  compare->add_option("outs", a.outs, "Folders with results, instead of --dataset");
-  AddPartInputs(compare, a.part);
-  compare->add_option("--techniques", a.techniques, "Which of them (rigmap part --technique)")
-      ->delimiter(',');
-  compare->add_option("--repeat", a.repeats,
-                      "Runs of each technique that has chance in it, by other seeds");
-  compare->add_option("--sweep", a.sweeps,
-                      "stage.option=a,b,c: a run with each value; several give all combinations");
-  compare->add_option("--out", a.part.out, "Folder for the comparison and its runs")->required();
-  compare->footer(PartOptionsHelp);
-  return compare;
-}
-
-CompareRequest MakeCompareRequest(const CompareArguments& a, const std::string& command) {
-  CompareRequest request;
-  request.out = a.part.out;
-  request.outs.assign(a.outs.begin(), a.outs.end());
-  if (a.outs.empty() == a.part.dataset.empty()) {
-    throw UsageError("compare: expected either folders with results or --dataset");
-  }
-  if (a.part.dataset.empty()) return request;
-  request.part = MakeRequest(a.part, command);
-  request.config = IfGiven<fs::path>(a.part.config);
-  request.assignments = a.part.assignments;
-  for (const std::string& name : a.techniques) {
-    request.techniques.push_back(ParseTechnique(name, "--techniques"));
-  }
-  if (request.techniques.empty()) {
-    for (const char* name : NamesOf(Technique{})) {
-      request.techniques.push_back(ParseTechnique(name));
-    }
-  }
-  if (a.repeats < 1) {
-    throw UsageError(fmt::format("--repeat: expected 1 or more, found {}", a.repeats));
-  }
-  request.repeats = a.repeats;
-  for (const std::string& sweep : a.sweeps) request.sweeps.push_back(ParseSweep(sweep));
-  return request;
 }
 
 }  // namespace rigmap

@@ -6,7 +6,6 @@
 #include <string>
 #include <vector>
 
-#include "workflows/compare.h"
 #include "workflows/join.h"
 #include "workflows/part_request.h"
 #include "workflows/run_traverse.h"
@@ -24,21 +23,14 @@ struct PartArguments {
   bool force = false, quiet = false, depth_maps = false;
 };
 
+// What a part is made from and how good it has to be: of all commands that reconstruct one. Returns
+// --dataset.
+CLI::Option* AddPartInputs(CLI::App* command, PartArguments& arguments);
+
 // The subcommand `part`.
 void AddPart(CLI::App& app, PartArguments& arguments);
 // Throws UsageError and DataError for what cannot be; opens nothing but the options' file.
 PartRequest MakeRequest(const PartArguments& arguments, std::string command);
-
-struct CompareArguments {
-  PartArguments part;
-  std::vector<std::string> outs, techniques, sweeps;
-  int repeats = 1;
-};
-
-// The subcommand `compare`.
-CLI::App* AddCompare(CLI::App& app, CompareArguments& arguments);
-// As MakeRequest.
-CompareRequest MakeCompareRequest(const CompareArguments& arguments, const std::string& command);
 
 struct RunArguments {
   PartArguments part;

@@ -116,6 +116,11 @@ TEST_F(CompareTest, KnowsBeforeTheFirstRunWhatCannotBe) {
     EXPECT_FALSE(fs::exists(out_)) << word;
   }
   EXPECT_EQ(RunRigmap({"compare", "--out", out_}).exit_code, 2);
+  // Results are compared as they are.
+  const ProgramEnd judged =
+      RunRigmap({"compare", "result", "--truth", folder_.Path(), "--out", out_});
+  EXPECT_EQ(judged.exit_code, 2);
+  EXPECT_THAT(judged.LastErrorLine(), HasSubstr("--truth: expected with --dataset alone"));
 }
 
 TEST_F(CompareTest, TakesAllPartsThatFit) {
