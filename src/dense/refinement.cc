@@ -74,14 +74,17 @@ Moments MomentsOf(const cv::Mat& disparity, const Differences& differences, int 
   const WindowMean mean(known, side_px);
   // Without the means over the window, since the views may differ in brightness.
   const cv::Mat mean_residual = mean.Of(residual), mean_gradient = mean.Of(gradient);
-  Moments moments{mean.Counts(), mean.Of(gradient.mul(gradient)) - mean_gradient.mul(mean_gradient),
-                  mean.Of(gradient.mul(residual)) - mean_gradient.mul(mean_residual),
-                  mean.Of(residual.mul(residual)) - mean_residual.mul(mean_residual)};
-  const StepWindows windows(disparity, residual, gradient, side_px);
-  for (int row = 0; row < disparity.rows; ++row) {
-    const auto* reaching = windows.Reaching().ptr<uchar>(row);
-    for (int column = 0; column < disparity.cols; ++column) {
-      if (reaching[column] == 0) continue;
+  return {mean.Counts(), mean.Of(gradient.mul(gradient)) - mean_gradient.mul(mean_gradient),
+          mean.Of(gradient.mul(residual)) - mean_gradient.mul(mean_residual),
+          mean.Of(residual.mul(residual)) - mean_residual.mul(mean_residual)};
+}
+
+// Beside steps of the depth, those of a pixel's own surface.
+void ReplaceAtSteps(const StepWindows& windows, Moments& moments) {
+  const cv::Mat& reaching = windows.Reaching();
+  for (int row = 0; row < reaching.rows; ++row) {
+    for (int column = 0; column < reaching.cols; ++column) {
+      if (reaching.at<uchar>(row, column) == 0) continue;
       const WindowMoments own = windows.At(row, column);
       const bool is_enough = own.count >= kLeastCount;  // else nothing is known
       moments.counts.at<float>(row, column) = std::max(own.count, 1.0F);
@@ -90,7 +93,6 @@ Moments MomentsOf(const cv::Mat& disparity, const Differences& differences, int 
       moments.residual2.at<float>(row, column) = own.residual2;
     }
   }
-  return moments;
 }
 
 }  // namespace
@@ -100,8 +102,11 @@ RefinedDisparity RefineDisparity(const cv::Mat& left, const cv::Mat& right,
   const int radius_px = options.smoothing_px / 2;
   const cv::Mat coarse = SmoothDisparity(disparity, radius_px);
   const cv::Mat is_known = coarse > 0.0F;
-  const auto [counts, variance, product, residual2] =
-      MomentsOf(coarse, Compare(left, right, coarse), options.refinement_px);
+  const Differences differences = Compare(left, right, coarse);
+  Moments moments = MomentsOf(coarse, differences, options.refinement_px);
+  ReplaceAtSteps({coarse, differences.residual, differences.gradient, options.refinement_px},
+                 moments);
+  const auto& [counts, variance, product, residual2] = moments;
   const cv::Mat gradient2 = cv::max(variance, kLeastGradient2);
   // A larger disparity looks further left: the view changes by minus the gradient.
   const cv::Mat step = -product / gradient2;

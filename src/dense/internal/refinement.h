@@ -18,6 +18,9 @@ struct RefinedDisparity {
 // bias of 0.03 px and noise of 0.2 px on sand; after this 0.002 and 0.08 to 0.15 px are left. Where
 // the texture is hardly above the noise the step is too short, and up to half of a bias stays.
 //
+// Where the window reaches over a step of the depth, only the pixel's own surface in it counts
+// (StepWindows).
+//
 // The sigma is that of the least squares, from gradients and residuals in the window, times
 // `refined_sigma_factor`, and at least `least_sigma_px`. Where the gradients do not stand out from
 // what noise alone would make of them nothing is known, and the disparity is 0: the matcher has
