@@ -16,6 +16,11 @@ namespace fs = std::filesystem;
 // Results that are there are compared as they are.
 void RequireNothingToRun(const CompareArguments& a) {
   for (const auto& [option, is_given] : {std::pair("--truth", !a.part.truth.empty()),
+                                         {"--accuracy", a.part.accuracy_pct.has_value()},
+                                         {"--traverse", a.part.traverse.has_value()},
+                                         {"--part", a.part.part.has_value()},
+                                         {"--frames", !a.part.frames.empty()},
+                                         {"--format", !a.part.format.empty()},
                                          {"--rig", !a.part.rig.empty()},
                                          {"--config", !a.part.config.empty()},
                                          {"--set", !a.part.assignments.empty()},
