@@ -156,10 +156,10 @@ EarthFit FitToEarth(std::span<const GnssFix> fixes, const Trajectory& trajectory
   RequireValid(options);
   EarthFit fit;
   const RtkFit rtk = Align(fixes, trajectory, antenna_in_left, alignment, options.max_map_sigma_m);
+  // Elsewhere on Earth they may fit well enough to be believed.
   const std::string exchanged = FitOnlyExchanged(fixes, trajectory, antenna_in_left, alignment);
-  if (!rtk.alignment) {
-    return {.frame = {}, .why = exchanged.empty() ? rtk.why : rtk.why + "; " + exchanged};
-  }
+  if (!exchanged.empty()) return {.frame = {}, .why = exchanged};
+  if (!rtk.alignment) return {.frame = {}, .why = rtk.why};
   const Geodetic& origin = rtk.alignment->plane_origin;
   if (!HasUtmZone(origin)) {
     return {.frame = {},
@@ -184,7 +184,6 @@ EarthFit FitToEarth(std::span<const GnssFix> fixes, const Trajectory& trajectory
                          motion.angle_rad,
                          {motion.translation.x(), motion.translation.y(), height.rise_m},
                          UtmZoneOf(origin)};
-  if (!exchanged.empty()) fit.weaknesses.push_back(exchanged);
   Judge(fit, rtk, alignment);
   return fit;
 }

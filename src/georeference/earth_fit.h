@@ -48,7 +48,8 @@ struct EarthFit {
 // Turned about the world's z and moved, horizontally as AlignToRtk does, in height by the mean of
 // the fixes; the world's z stays up, and what the fixes say against it is told. Where the fixes
 // leave the edge of the map less certain than AlignToRtk accepts, they are taken with the clock
-// held as exact, up to options.max_map_sigma_m. Throws UsageError for options out of range.
+// held as exact, up to options.max_map_sigma_m. No frame where they fit only with latitude and
+// longitude exchanged. Throws UsageError for options out of range.
 EarthFit FitToEarth(std::span<const GnssFix> fixes, const Trajectory& trajectory,
                     const Eigen::Vector3d& antenna_in_left, const RtkAlignmentOptions& alignment,
                     const EarthFitOptions& options = {});

@@ -201,11 +201,36 @@ std::string ObjectTables(const FigureSource& source, const std::string& pointer,
   return table.Text() + inner;
 }
 
+// Where the world lies, and what the fixes leave open of that.
+std::string PlaceOnEarth(const FigureSource& earth) {
+  if (!earth.json.is_object()) return "";
+  std::string text = "<h3>On the Earth</h3>\n";
+  if (At(earth.json, "/epsg").is_null()) {
+    return text + fmt::format("<p>No place is given: {}.</p>\n", TextAt(earth.json, "/why"));
+  }
+  const auto metres = [&](const char* at) { return Figure(earth, at, Quantity::kMetres); };
+  text += fmt::format(
+      "<p>UTM zone {}, by fixes: one sigma is {} in the middle of the path, {} at the edge of the "
+      "map and {} in height.</p>\n",
+      TextAt(earth.json, "/utm_zone"), metres("/sigma/horizontal_m"), metres("/sigma/edge_m"),
+      metres("/sigma/height_m"));
+  const Json& weak = At(earth.json, "/weak");
+  if (weak.empty()) return text;
+  text += "<ul>";
+  for (const Json& sentence : weak) {
+    text += fmt::format("<li>{}</li>\n", Escaped(sentence.get<std::string>()));
+  }
+  return text + "</ul>\n";
+}
+
 }  // namespace
 
 std::string EvaluationSection(const PartContent& content) {
   const FigureSource evaluation = content.folder.Evaluation();
-  if (!evaluation.json.is_object() || evaluation.json.empty()) return "";
+  std::string body;
+  if (evaluation.json.is_object()) body = ObjectTables(evaluation, "", 0);
+  body += PlaceOnEarth({"georeference", content.folder.georeference});
+  if (body.empty()) return "";
   const bool ties = At(content.folder.summary, "/rtk_use/used") == Json(true);
   return HtmlSection(
       "evaluation", "Against what is known from elsewhere",
@@ -213,7 +238,7 @@ std::string EvaluationSection(const PartContent& content) {
                   "which took no part in making the result") +
           (ties ? " (of the fixes those that did not tie it)" : "") +
           ": the numbers of evaluation.json.",
-      ObjectTables(evaluation, "", 0));
+      body);
 }
 
 }  // namespace rigmap

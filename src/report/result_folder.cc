@@ -187,6 +187,7 @@ ResultFolder ReadResultFolder(const fs::path& root) {
   if (folder.kind == ResultKind::kComparison) return folder;
   folder.evaluation = UnlessDamaged([&] { return ReadJson(root / "evaluation.json"); });
   folder.reference = UnlessDamaged([&] { return ReadJson(root / "reference.json"); });
+  folder.georeference = UnlessDamaged([&] { return ReadJson(root / "georeference.json"); });
   folder.parts = UnlessDamaged([&] { return ReadParts(root / "parts"); });
   folder.kind = folder.parts.empty() ? ResultKind::kPart : ResultKind::kTraverse;
   if (fs::exists(root / "trajectory.csv")) {

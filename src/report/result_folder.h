@@ -25,7 +25,7 @@ struct ResultFolder {
   ResultKind kind = ResultKind::kPart;
   std::string name;  // of the folder, for people
   // Null where there is none: of a comparison all but `comparison`.
-  Json summary, evaluation, reference, comparison;
+  Json summary, evaluation, reference, georeference, comparison;
   Trajectory trajectory;  // without position covariances; empty where there is none
   std::optional<SparseModel> sparse;
   std::vector<PartOfTraverse> parts;                // of a traverse

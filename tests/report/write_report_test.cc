@@ -99,6 +99,22 @@ TEST_F(WriteReportTest, NamesImagesThatCannotBeRead) {
               HasSubstr("<li>beach/LocCam_2015_11_26_15_23_36_000_0.png</li>"));
 }
 
+TEST_F(WriteReportTest, TellsWhatTheFixesLeaveOpenOfThePlaceOnEarth) {
+  const auto folder = WriteSampleResult(folder_);
+  folder_.Write("result/georeference.json",
+                Json{{"epsg", nullptr}, {"why", "columns exchanged?"}}.dump());
+  EXPECT_THAT(ReportOf(folder), HasSubstr("No place is given: columns exchanged?"));
+  const Json known = {{"epsg", 32631},
+                      {"utm_zone", "31N"},
+                      {"sigma", {{"horizontal_m", 0.004}, {"edge_m", 0.02}, {"height_m", 0.005}}},
+                      {"weak", {"the fixes leave the <b>roll</b> open"}}};
+  folder_.Write("result/georeference.json", known.dump());
+  const std::string report = ReportOf(folder);
+  EXPECT_THAT(report, HasSubstr("UTM zone 31N"));
+  EXPECT_THAT(report, HasSubstr("data-from=\"georeference/sigma/edge_m\""));
+  EXPECT_THAT(report, HasSubstr("<li>the fixes leave the &lt;b&gt;roll&lt;/b&gt; open</li>"));
+}
+
 TEST_F(WriteReportTest, RefersToNothingOutside) {
   std::string report = ReportOf(WriteSampleResult(folder_));
   EXPECT_THAT(report, HasSubstr("default-src 'none'"));

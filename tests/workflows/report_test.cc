@@ -107,7 +107,8 @@ TEST_F(ReportTest, HasEveryFigureAsTheFilesHaveIt) {
   for (const char* name : {"good", "refused"}) {
     const std::string page = Page(name);
     std::map<std::string, Json> documents{{"summary", Load(Out(name) / "summary.json")},
-                                          {"evaluation", Load(Out(name) / "evaluation.json")}};
+                                          {"evaluation", Load(Out(name) / "evaluation.json")},
+                                          {"georeference", Load(Out(name) / "georeference.json")}};
     if (!ReportScripts().empty()) documents["map"] = MapFiguresOf(page);
     std::map<std::string, std::set<std::string>> shown;
     for (const ReportFigure& figure : FiguresOf(page)) {

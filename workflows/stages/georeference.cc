@@ -1,5 +1,7 @@
 #include "workflows/stages/georeference.h"
 
+#include <spdlog/spdlog.h>
+
 #include <cereal/types/optional.hpp>
 #include <cereal/types/string.hpp>
 #include <nlohmann/json.hpp>
@@ -60,7 +62,10 @@ Georeferenced GeoreferenceOf(const GeoreferenceInputs& inputs, const RtkAlignmen
   const EarthFit fit =
       FitToEarth(inputs.fixes, inputs.trajectory, *inputs.antenna_in_left, alignment, earth);
   product.json = SidecarText(fit, inputs);
-  if (!fit.frame) return product;
+  if (!fit.frame) {
+    spdlog::warn("the fixes give the world no place on Earth: {}", fit.why);
+    return product;
+  }
   product.frame = fit.frame;
   const EarthMap map(*fit.frame);
   const auto landmarks = RocksOnRoute(inputs.map_ply, rocks);
