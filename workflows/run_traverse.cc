@@ -14,6 +14,7 @@
 #include "core/file.h"
 #include "core/job.h"
 #include "workflows/disk_space.h"
+#include "workflows/earlier_plan.h"
 #include "workflows/join.h"
 #include "workflows/output_folder.h"
 #include "workflows/stages/satellite_fixes.h"
@@ -128,28 +129,6 @@ void RequireFixesOf(const TraversePlan& plan) {
   }
 }
 
-// Known before any work is done; each part's folder and the join's say so of their own frames.
-void RequireSameTraverse(const fs::path& out, const nlohmann::ordered_json& plan) {
-  const fs::path path = out / "plan.json";
-  if (!fs::exists(path)) return;
-  const auto earlier = nlohmann::ordered_json::parse(ReadTextFile(path), nullptr, false);
-  if (!earlier.is_object() || !earlier.contains("parts")) return;
-  const auto is_in = [](const nlohmann::ordered_json& parts, const nlohmann::ordered_json& part) {
-    return std::ranges::any_of(parts, [&](const nlohmann::ordered_json& other) {
-      return other.contains("first_s") && other["first_s"] == part["first_s"] &&
-             other["last_s"] == part["last_s"];
-    });
-  };
-  for (const auto& part : plan.at("parts")) {
-    if (part.contains("first_s") && is_in(earlier.at("parts"), part)) return;  // else no use
-  }
-  throw DataError(fmt::format(
-      "{}: holds a run of other data ({}) than those asked for ({}); choose another folder, or "
-      "--force to remove it and start anew",
-      out.string(), earlier.value("dataset", std::string("unknown")),
-      plan.value("dataset", std::string("unknown"))));
-}
-
 // The folders of the parts that were done, and what is missing. Throws where there is none.
 JoinRequest WhatWasDone(const TraversePlan& plan,
                         const std::vector<std::optional<PartFailure>>& failures,
@@ -194,8 +173,9 @@ PartResult RunTraverse(const RunRequest& request) {
   const fs::path& out = request.part.out;
   RequireTraverseOutput(out);
   const auto planned = ToJson(plan, request.plan);
-  if (!request.part.force) RequireSameTraverse(out, planned);
+  if (!request.part.force) RequireSamePlan(out, planned);
   RequireDisk(plan, out);
+  if (request.part.force) RemovePartsBeside(out, planned);
   fs::create_directories(out / "parts");
   if (!request.part.quiet) Announce(plan, request);
   WriteFileAtomically(out / "plan.json",

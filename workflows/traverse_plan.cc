@@ -10,6 +10,7 @@
 #include "core/error.h"
 #include "core/stamp.h"
 #include "core/stamp_steps.h"
+#include "workflows/plan_remarks.h"
 #include "workflows/truth_files.h"
 
 namespace rigmap {
@@ -19,9 +20,7 @@ namespace fs = std::filesystem;
 
 double Seconds(StampNs stamp_ns) { return 1e-9 * static_cast<double>(stamp_ns); }
 
-void FindGaps(const std::vector<StereoFrame>& frames, PartData& findings) {
-  std::vector<StampNs> stamps;
-  for (const StereoFrame& frame : frames) stamps.push_back(frame.stamp_ns);
+void FindGaps(const std::vector<StampNs>& stamps, PartData& findings) {
   const StampSteps steps = StepsOf(stamps);
   findings.interval_s = Seconds(steps.usual_ns);
   for (const std::size_t i : steps.gaps) {
@@ -57,8 +56,31 @@ PartData Examine(const Dataset& dataset, std::string name) {
       findings.remarks.push_back(problem);
     }
   }
-  FindGaps(dataset.frames, findings);
+  std::vector<StampNs> stamps;
+  for (const StereoFrame& frame : dataset.frames) stamps.push_back(frame.stamp_ns);
+  FindGaps(stamps, findings);
+  for (const auto& more : {RemarksOnStamps(stamps), RemarksOnFixes(dataset.fixes)}) {
+    findings.remarks.insert(findings.remarks.end(), more.begin(), more.end());
+  }
   return findings;
+}
+
+// Of the parts that can be used, each beside the one that begins before it.
+void RemarkOnPauses(std::vector<PartData>& parts) {
+  constexpr double kGap = 2.5;  // usual steps, as within a part
+  std::vector<PartData*> in_order;
+  for (PartData& part : parts) {
+    if (IsUsable(part)) in_order.push_back(&part);
+  }
+  std::ranges::stable_sort(in_order, {}, &PartData::first_s);
+  for (std::size_t i = 1; i < in_order.size(); ++i) {
+    const PartData& earlier = *in_order[i - 1];
+    PartData& later = *in_order[i];
+    std::string remark =
+        RemarkOnNeighbours({earlier.name, earlier.first_s, earlier.last_s},
+                           {later.name, later.first_s, later.last_s}, kGap * later.interval_s);
+    if (!remark.empty()) later.remarks.push_back(std::move(remark));
+  }
 }
 
 std::string PartName(const DatasetRequest& part) {
@@ -82,6 +104,7 @@ std::vector<PartData> ExamineParts(const std::vector<DatasetRequest>& parts) {
   for (const PartData& part : findings) {
     if (!IsUsable(part)) spdlog::warn("part {} is left out: {}", part.name, part.remarks.back());
   }
+  RemarkOnPauses(findings);
   return findings;
 }
 

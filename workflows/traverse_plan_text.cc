@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -12,6 +13,7 @@ using Json = nlohmann::ordered_json;
 
 // Time limits are for the slowest machine of a cluster.
 constexpr double kLimitOverEstimate = 4.0;
+constexpr double kShortestLimit_min = 10.0;
 
 std::vector<std::string> ArgumentsOf(const PartJob& job) {
   const DatasetRequest& d = job.dataset;
@@ -113,9 +115,10 @@ std::string WriteSbatch(const TraversePlan& plan, const PlanRequest& request,
       "#SBATCH --time={:.0f}\n"
       "# Results go to OUT (default: rigmap-out where this was submitted). The same job again "
       "goes\n"
-      "# on from what is there. Afterwards: rigmap join \"$OUT\"/parts/* --out \"$OUT\"\n",
+      "# on from what is there. Afterwards: rigmap join \"$OUT\"/parts/* --out \"$OUT\"; where a\n"
+      "# part failed, the folders of the others instead, and --missing \"part NAME failed\"\n",
       plan.jobs.size() - 1, request.threads, megabytes + 512.0,
-      std::ceil(kLimitOverEstimate * seconds / 60.0));
+      std::max(kShortestLimit_min, std::ceil(kLimitOverEstimate * seconds / 60.0)));
   for (const PartData& part : plan.parts) {
     if (IsUsable(part)) continue;
     text += fmt::format("# Part {} is left out: {}\n", part.name, part.remarks.back());

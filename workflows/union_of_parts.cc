@@ -59,6 +59,16 @@ OpenedPart Open(const PartFolder& folder) {
   return part;
 }
 
+// stages/ may have been deleted.
+void RequireFeatures(const OpenedPart& part) {
+  for (const FrameFile& file : part.features.files) {
+    if (fs::exists(part.root / file.name)) continue;
+    throw DataError(
+        fmt::format("{}: expected the keypoints of its frames ({}), found none; run the part again",
+                    part.root.string(), file.name));
+  }
+}
+
 void RequireAlike(const OpenedPart& first, const OpenedPart& other) {
   const StereoRig rig = RigBeforePool(first.input.rig_file),
                   found = RigBeforePool(other.input.rig_file);
@@ -199,6 +209,7 @@ class Uniter {
     if (found == part.depths->frames.end()) return;
     const auto& file =
         part.depths->files[static_cast<std::size_t>(found - part.depths->frames.begin())];
+    if (!fs::exists(part.root / file.name)) return;  // made anew then
     known = KnownDepths::Known{FromOut(part, file), part.depths->how};
   }
 
@@ -265,7 +276,10 @@ FolderMark UnionOfParts::Mark() const {
 UnionOfParts UniteParts(const std::vector<PartFolder>& folders, const fs::path& out) {
   std::vector<OpenedPart> parts;
   for (const PartFolder& folder : folders) parts.push_back(Open(folder));
-  for (const OpenedPart& part : parts) RequireAlike(parts.front(), part);
+  for (const OpenedPart& part : parts) {
+    RequireFeatures(part);
+    RequireAlike(parts.front(), part);
+  }
   std::ranges::stable_sort(parts, {}, &OpenedPart::FirstStamp);
   // All parts of a stereo folder come with its truth.
   UnionOfParts whole = Uniter(parts, fs::weakly_canonical(out)).Unite();

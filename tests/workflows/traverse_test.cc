@@ -234,6 +234,25 @@ TEST_F(TraverseTest, LeavesARunOfOtherDataAsItIs) {
   EXPECT_EQ(ReadTextFile(path), before);
 }
 
+TEST_F(TraverseTest, LeavesPartsThatWereCutOtherwiseUntilForced) {
+  const auto cut = [&](const char* split) {
+    return std::vector<std::string>{"--split", split, "--overlap", "1", "--until", "features"};
+  };
+  ASSERT_EQ(Run(cut("3")).exit_code, 0);
+  const std::string before = ReadTextFile(out_ / "plan.json");
+  const ProgramEnd end = Run(cut("2"));
+  EXPECT_EQ(end.exit_code, 1);
+  EXPECT_THAT(end.LastErrorLine(), HasSubstr("holds parts that were cut otherwise (1.1 of frames"));
+  EXPECT_EQ(ReadTextFile(out_ / "plan.json"), before);
+  EXPECT_TRUE(fs::exists(out_ / "parts" / "1.3"));
+
+  auto forced = cut("2");
+  forced.push_back("--force");
+  EXPECT_EQ(Run(forced).exit_code, 0);
+  EXPECT_FALSE(fs::exists(out_ / "parts" / "1.3"));
+  EXPECT_TRUE(fs::exists(out_ / "parts" / "1.2"));
+}
+
 TEST_F(TraverseTest, KnowsBeforeAnyPartIsDoneThatNoFixesCanTieIt) {
   const ProgramEnd end = Run({"--use-rtk"});
   EXPECT_EQ(end.exit_code, 1);
@@ -241,6 +260,17 @@ TEST_F(TraverseTest, KnowsBeforeAnyPartIsDoneThatNoFixesCanTieIt) {
   const ProgramEnd by_images = Run({"--until", "rtk"});
   EXPECT_EQ(by_images.exit_code, 2);
   EXPECT_THAT(by_images.LastErrorLine(), HasSubstr("--until rtk: expected --use-rtk beside it"));
+  EXPECT_FALSE(fs::exists(out_));
+}
+
+TEST_F(TraverseTest, RefusesPartsWhoseKeypointsWereDeleted) {
+  const fs::path one = folder_.Path() / "one";
+  ASSERT_NE(Part("0:5", one).exit_code, 1);
+  fs::remove_all(one / "stages");
+  const ProgramEnd join = RunRigmap({"join", one, "--out", out_});
+  EXPECT_EQ(join.exit_code, 1);
+  EXPECT_THAT(join.LastErrorLine(), HasSubstr("expected the keypoints of its frames (stages/"));
+  EXPECT_THAT(join.LastErrorLine(), HasSubstr("run the part again"));
   EXPECT_FALSE(fs::exists(out_));
 }
 
