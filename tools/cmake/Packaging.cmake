@@ -7,7 +7,7 @@ install(DIRECTORY config/ DESTINATION share/rigmap/config FILES_MATCHING PATTERN
 install(FILES workflows/Snakefile workflows/job_arguments.py DESTINATION share/rigmap/workflows)
 install(PROGRAMS workflows/part-job DESTINATION share/rigmap/workflows)
 install(DIRECTORY workflows/profiles DESTINATION share/rigmap/workflows)
-install(DIRECTORY docs/ DESTINATION ${CMAKE_INSTALL_DOCDIR})
+install(DIRECTORY docs DESTINATION ${CMAKE_INSTALL_DOCDIR})
 install(FILES README.md CHANGELOG.md LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})
 install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} RENAME copyright)
 
