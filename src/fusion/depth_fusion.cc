@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "core/progress.h"
+#include "fusion/internal/carried_cells.h"
 #include "fusion/internal/frame_agreement.h"
 #include "fusion/internal/layered_grid.h"
 #include "fusion/internal/past_light.h"
@@ -85,6 +87,9 @@ std::vector<std::size_t> FuseDepthMaps(std::span<const PosedDepth> depths, doubl
     const std::size_t first = 0;
     TakeSingle(*cache.Get({&first, 1}).front(), options, target);
     return {};
+  }
+  if (cv::Mat carried = CarriedByTheRig(world_from_left, options, cache); !carried.empty()) {
+    cache.Hide(std::move(carried));
   }
   FrameAgreement agreement(world_from_left, options, cache);
   PastLight past_light;

@@ -35,9 +35,10 @@ struct FusionTarget {
 // not apply.
 //
 // A frame is left out, and its index returned, if it agrees with its neighbours on less than half
-// of the pixels on which they agree with theirs: its pose or its depth is wrong. Colours are made
-// as bright as those of the frames before, where the same ground is seen, and a shadow that came
-// over it since is taken away (past_light.h).
+// of the pixels on which they agree with theirs: its pose or its depth is wrong. What the rig
+// carries along in its view (carried_cells.h) is no surface. Colours are made as bright as those of
+// the frames before, where the same ground is seen, and a shadow that came over it since is taken
+// away (past_light.h).
 //
 // Holds `cached_views` depth maps (11 bytes a pixel), but at least those that one is compared with,
 // kKeptVoxels voxels and the samples of some rows (together kFusionMegabytes), whatever the number

@@ -14,6 +14,11 @@ DepthView Load(const PosedDepth& depth) {
 
 }  // namespace
 
+void ViewCache::Hide(cv::Mat mask) {
+  hidden_ = std::move(mask);
+  for (auto& [frame, entry] : entries_) entry.view.map.disparity.setTo(0.0F, hidden_);
+}
+
 std::vector<const DepthView*> ViewCache::Get(std::span<const std::size_t> frames) {
   ++time_;
   std::vector<std::size_t> missing;
@@ -33,7 +38,8 @@ std::vector<const DepthView*> ViewCache::Get(std::span<const std::size_t> frames
       if (oldest->second.last_use == time_) break;
       entries_.erase(oldest);
     }
-    entries_.try_emplace(frame, Entry{Load(depths_[frame]), time_});
+    Entry& entry = entries_.try_emplace(frame, Entry{Load(depths_[frame]), time_}).first->second;
+    if (!hidden_.empty()) entry.view.map.disparity.setTo(0.0F, hidden_);
   }
   std::vector<const DepthView*> views;
   for (const std::size_t frame : frames) views.push_back(&entries_.at(frame).view);

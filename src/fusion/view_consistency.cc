@@ -43,6 +43,7 @@ enum class Verdict { kNone, kKnowsNoDepth, kAgrees, kSeesThrough, kSeesSomething
 struct Opinion {
   Verdict verdict = Verdict::kNone;
   bool is_better = false;  // sees the point from clearly nearer
+  double nearness = 1.0;   // of what it sees there, over the point's
   Measurement own;         // of the neighbour, where it agrees
   cv::Point pixel;         // of the neighbour's view
 };
@@ -61,7 +62,7 @@ Opinion Ask(const Neighbour& neighbour, const Measurement& point, const FusionOp
   const double variance_px2 =
       found_sigma_px * found_sigma_px + expected_sigma_px * expected_sigma_px;
   const double difference_px = found_px - expected_px;
-  Opinion opinion;
+  Opinion opinion{.nearness = found_px / expected_px};
   // Equal disparities have depth sigmas as the squares of the depths.
   opinion.is_better = x.z() * x.z() < options.better_view_share * point.x.z() * point.x.z();
   const double sigmas2 = options.agreement_sigmas * options.agreement_sigmas;
@@ -185,7 +186,6 @@ std::vector<SurfaceSample> ConfirmedSamples(const DepthView& reference,
 
 std::optional<ViewAgreement> AgreementOf(const DepthView& first, const DepthView& second,
                                          const FusionOptions& options) {
-  constexpr int kStride = 8;
   constexpr double kDark = 3.0 * 16.0;  // ratios of less are made of black levels
   const DepthView* const others[] = {&second};
   const Neighbour neighbour = Prepare(first, others).front();
@@ -196,8 +196,8 @@ std::optional<ViewAgreement> AgreementOf(const DepthView& first, const DepthView
   int shared = 0;
   int agreeing = 0;
   std::vector<double> ratios;
-  for (int row = 0; row < first.map.disparity.rows; row += kStride) {
-    for (int column = 0; column < first.map.disparity.cols; column += kStride) {
+  for (int row = 0; row < first.map.disparity.rows; row += kOpinionStride) {
+    for (int column = 0; column < first.map.disparity.cols; column += kOpinionStride) {
       const auto measured = MeasurementAt(first.map, {column, row});
       if (!measured) continue;
       const Opinion opinion = Ask(neighbour, *measured, options);
@@ -212,6 +212,28 @@ std::optional<ViewAgreement> AgreementOf(const DepthView& first, const DepthView
   if (shared < kMinSharedPixels) return std::nullopt;
   const double share = static_cast<double>(agreeing) / shared;
   return ViewAgreement{share, ratios.empty() ? 1.0 : Median(std::move(ratios))};
+}
+
+cv::Mat OpinionsOn(const DepthView& first, const DepthView& second, const FusionOptions& options) {
+  constexpr double kClearlyFurther = 6.0 / 7.0;  // nearness: depth is 1 / nearness
+  const DepthView* const others[] = {&second};
+  const Neighbour neighbour = Prepare(first, others).front();
+  const cv::Size size = first.map.disparity.size();
+  cv::Mat opinions((size.height + kOpinionStride - 1) / kOpinionStride,
+                   (size.width + kOpinionStride - 1) / kOpinionStride, CV_8UC1, cv::Scalar(0));
+  for (int row = 0; row < opinions.rows; ++row) {
+    for (int column = 0; column < opinions.cols; ++column) {
+      const auto measured =
+          MeasurementAt(first.map, {column * kOpinionStride, row * kOpinionStride});
+      if (!measured) continue;
+      const Opinion opinion = Ask(neighbour, *measured, options);
+      const bool is_through =
+          opinion.verdict == Verdict::kSeesThrough && opinion.nearness < kClearlyFurther;
+      if (opinion.verdict == Verdict::kAgrees) opinions.at<std::uint8_t>(row, column) = kSeenAsHere;
+      if (is_through) opinions.at<std::uint8_t>(row, column) = kSeenClearlyThrough;
+    }
+  }
+  return opinions;
 }
 
 }  // namespace rigmap

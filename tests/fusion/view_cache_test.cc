@@ -75,6 +75,20 @@ TEST_F(ViewCacheOfGround, KeepsThoseUsedLast) {
               testing::HasSubstr(depths_[1].path.string()));
 }
 
+TEST_F(ViewCacheOfGround, HidesInWhatItHoldsAndInWhatItReadsLater) {
+  ViewCache cache(depths_, 2);
+  One(cache, 0);
+  cv::Mat mask(240, 320, CV_8UC1, cv::Scalar(0));
+  const cv::Rect hidden(100, 200, 20, 10);
+  mask(hidden) = 255;
+  cache.Hide(mask);
+  for (const std::size_t frame : {0, 1}) {
+    const cv::Mat& disparity = One(cache, frame).map.disparity;
+    EXPECT_EQ(cv::countNonZero(disparity(hidden)), 0) << frame;
+    EXPECT_GT(cv::countNonZero(disparity), 20'000) << frame;
+  }
+}
+
 TEST_F(ViewCacheOfGround, HoldsMoreThanItsCapacityWhileTheyAreAskedForAtOnce) {
   ViewCache cache(depths_, 1);
   const std::size_t frames[] = {2, 0, 3, 0};

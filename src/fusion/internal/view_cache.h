@@ -19,6 +19,9 @@ class ViewCache {
   ViewCache(std::span<const PosedDepth> depths, std::size_t capacity)
       : depths_(depths), capacity_(capacity) {}
 
+  // From now on no map knows a depth where `mask` (CV_8UC1, of the rectified views) is not 0.
+  void Hide(cv::Mat mask);
+
   // They stay valid until the next call. Throws DataError when a depth map is missing.
   std::vector<const DepthView*> Get(std::span<const std::size_t> frames);
 
@@ -30,6 +33,7 @@ class ViewCache {
 
   std::span<const PosedDepth> depths_;
   std::size_t capacity_;
+  cv::Mat hidden_;  // empty: nothing
   std::map<std::size_t, Entry> entries_;
   std::uint64_t time_ = 0;
 };

@@ -48,4 +48,10 @@ inline constexpr int kMinSharedPixels = 100;
 std::optional<ViewAgreement> AgreementOf(const DepthView& first, const DepthView& second,
                                          const FusionOptions& options);
 
+// What the second view says of every eighth column and row of the first: CV_8UC1, a pixel each.
+inline constexpr int kOpinionStride = 8;
+inline constexpr int kSeenAsHere = 1;
+inline constexpr int kSeenClearlyThrough = 2;  // what it sees there is further by a sixth or more
+cv::Mat OpinionsOn(const DepthView& first, const DepthView& second, const FusionOptions& options);
+
 }  // namespace rigmap
