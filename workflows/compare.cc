@@ -54,13 +54,21 @@ std::string NameOfData(const DatasetRequest& dataset) {
   return name;
 }
 
+// What else lies there is not ours.
+std::vector<fs::path> FoldersIn(const fs::path& folder) {
+  std::vector<fs::path> folders;
+  if (!fs::is_directory(folder)) return folders;
+  for (const auto& entry : fs::directory_iterator(folder)) {
+    if (entry.is_directory()) folders.push_back(entry.path());
+  }
+  return folders;
+}
+
 // The mark of any result of the part, and the folder that bears it.
 std::optional<std::pair<FolderMark, fs::path>> AnyResult(const fs::path& part) {
-  if (!fs::exists(part)) return std::nullopt;
-  for (const auto& label : fs::directory_iterator(part)) {
-    if (!label.is_directory()) continue;
-    for (const auto& folder : fs::directory_iterator(label)) {
-      if (auto mark = MarkIn(folder)) return std::pair(std::move(*mark), folder.path());
+  for (const fs::path& label : FoldersIn(part)) {
+    for (const fs::path& folder : FoldersIn(label)) {
+      if (auto mark = MarkIn(folder)) return std::pair(std::move(*mark), folder);
     }
   }
   return std::nullopt;
@@ -104,9 +112,25 @@ std::vector<std::vector<std::string>> Settings(const std::vector<Sweep>& sweeps)
   return settings;
 }
 
+bool Names(const std::vector<std::string>& setting, const std::string& option) {
+  return std::ranges::any_of(
+      setting, [&](const std::string& assignment) { return assignment.starts_with(option + "="); });
+}
+
+// The true trajectory beside which the part is judged; empty where there is none.
+std::string TruthOf(const PartRequest& part) {
+  if (part.truth) return fs::absolute(TruthOfRun(*part.truth, part.dataset)).string();
+  Job job(part.threads, true);
+  try {
+    return job.Run([&] { return OpenDataset(part.dataset).truth_path; });
+  } catch (const DataError&) {
+    return "";  // its rows say why
+  }
+}
+
 // By each technique, with each setting, as often as chance has a say.
 std::vector<Run> PlanRuns(const CompareRequest& request, const PartRequest& part) {
-  const std::string part_name = NameAmong(request.out / "runs", part);
+  const std::string part_name = NameAmong(request.out / "runs", part), truth = TruthOf(part);
   std::vector<Run> runs;
   for (const Technique technique : request.techniques) {
     for (const auto& setting : Settings(request.sweeps)) {
@@ -121,13 +145,16 @@ std::vector<Run> PlanRuns(const CompareRequest& request, const PartRequest& part
         }
         assignments.insert(assignments.end(), setting.begin(), setting.end());
         run.request.technique = technique;
+        run.request.take_up_frames = false;  // a stage that is made takes the time that it takes
         run.request.options = LoadPartOptions(request.config, assignments);
-        run.request.options.gates.poses.accuracy_pct = part.options.gates.poses.accuracy_pct;
+        if (!Names(setting, "gates.accuracy_pct")) {
+          run.request.options.gates.poses.accuracy_pct = part.options.gates.poses.accuracy_pct;
+        }
         const std::string label = setting.empty()
                                       ? technique_name
                                       : fmt::format("{} {}", technique_name, run.name.setting);
         run.name.run = fs::path("runs") / part_name / label / std::to_string(repeat);
-        if (part.truth) run.name.truth = fs::absolute(TruthOfRun(*part.truth, part.dataset));
+        run.name.truth = truth;
         run.request.out = request.out / run.name.run;
         runs.push_back(std::move(run));
       }
@@ -156,12 +183,11 @@ bool IsResult(const fs::path& folder) { return fs::exists(folder / ".dataset"); 
 std::optional<fs::path> FindDonor(const Run& run) {
   std::optional<fs::path> donor;
   const fs::path part = run.Out().parent_path().parent_path();
-  if (!fs::exists(part)) return donor;
-  for (const auto& label : fs::directory_iterator(part)) {
-    for (const auto& folder : fs::directory_iterator(label)) {
+  for (const fs::path& label : FoldersIn(part)) {
+    for (const fs::path& folder : FoldersIn(label)) {
       if (!IsResult(folder)) continue;
-      const bool alike = label.path().filename().string().starts_with(run.name.technique);
-      if (!donor || alike) donor = folder.path();
+      const bool alike = label.filename().string().starts_with(run.name.technique);
+      if (!donor || alike) donor = folder;
       if (alike) return donor;
     }
   }
@@ -219,14 +245,25 @@ std::size_t OrderOf(const std::string& technique) {
   return static_cast<std::size_t>(std::ranges::find(kNames, technique) - kNames.begin());
 }
 
+bool IsRow(const ComparisonRow& row) {
+  return row.is_object() && row.contains("part") && row.contains("technique") &&
+         row.contains("setting") && row.contains("repeat") && row.contains("status");
+}
+
 // Of every run below out/runs, whichever call of compare has made it.
 std::vector<ComparisonRow> StoredRows(const fs::path& out) {
   std::vector<ComparisonRow> rows;
-  for (const auto& part : fs::directory_iterator(out / "runs")) {
-    for (const auto& label : fs::directory_iterator(part)) {
+  for (const fs::path& part : FoldersIn(out / "runs")) {
+    for (const fs::path& label : FoldersIn(part)) {
       for (const auto& entry : fs::directory_iterator(label)) {
         if (entry.path().extension() != ".json") continue;
-        rows.push_back(ComparisonRow::parse(ReadTextFile(entry.path())));
+        auto row = ComparisonRow::parse(ReadTextFile(entry.path()), nullptr, false);
+        if (IsRow(row)) {
+          rows.push_back(std::move(row));
+        } else {
+          spdlog::warn("{}: expected the row of a run, found something else; left out",
+                       entry.path().string());
+        }
       }
     }
   }
@@ -268,6 +305,7 @@ Sweep ParseSweep(const std::string& text) {
 }
 
 std::string Compare(const CompareRequest& request) {
+  RequireComparisonOutput(request.out);
   if (request.part) DoAll(request);
   const auto rows = request.part ? StoredRows(request.out) : RowsOf(request.outs);
   const auto comparison = WriteComparison(rows);

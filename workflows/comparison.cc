@@ -62,9 +62,9 @@ constexpr std::array kTracked{Source{"path_m", "/truth_path_m"},
 constexpr std::array kDriftLengths{5, 10, 25, 50, 100};
 
 // Columns that tell rows apart or are words.
-const std::array<std::string, 11> kWords{"part",   "technique", "setting",  "repeat",
-                                         "run",    "truth",     "exit",     "status",
-                                         "reason", "verdict",   "judged_by"};
+const std::array<std::string, 12> kWords{"part",   "technique", "setting",   "repeat",
+                                         "run",    "truth",     "exit",      "status",
+                                         "reason", "verdict",   "judged_by", "rtk_remark"};
 
 bool IsNumber(const std::string& column) {
   return std::ranges::find(kWords, column) == kWords.end();
@@ -109,6 +109,7 @@ void PutEvaluation(const Json& evaluation, Json& row) {
     for (const Source& source : kTracked) row[source.name] = At(evaluation, source.pointer);
     row["scale_error_pct"] = 100.0 * std::abs(row["scale"].get<double>() - 1.0);
   }
+  row["rtk_remark"] = At(evaluation, "/rtk/why");
   // Of rtk_scale_error_pct, in the same unit.
   const Json scale_noise = At(evaluation, "/rtk/scale_noise");
   row["rtk_scale_noise_pct"] =

@@ -156,6 +156,20 @@ void RequireTraverseOutput(const fs::path& root) {
   RequireOwnOutput(root, {}, false);
 }
 
+void RequireComparisonOutput(const fs::path& root) {
+  std::error_code ignored;
+  if (!fs::exists(root, ignored)) return;
+  if (!fs::is_directory(root, ignored)) {
+    throw DataError(fmt::format("{}: expected an output folder, found a file", root.string()));
+  }
+  RequireNoHome(root);
+  const bool is_ours = fs::exists(root / "comparison.json") || fs::is_directory(root / "runs");
+  if (IsEmpty(root) || (is_ours && !fs::exists(root / kMarkName))) return;
+  throw DataError(fmt::format(
+      "{}: the output folder is not empty and holds no comparison of rigmap; choose another",
+      root.string()));
+}
+
 void RequirePartsElsewhere(const fs::path& root, const std::vector<fs::path>& parts) {
   for (const fs::path& part : parts) {
     const bool is_held = LiesIn(part, root) && !LiesIn(part, root / kTraverseNames[0]);

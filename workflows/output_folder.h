@@ -37,6 +37,10 @@ class OutputLock {
   int descriptor_ = -1;
 };
 
+// Throws DataError if a comparison may not be put into the folder: it holds something, and no
+// comparison.
+void RequireComparisonOutput(const std::filesystem::path& root);
+
 // Throws DataError if a traverse's parts may not be put into the folder: it holds something, and
 // neither bears rigmap's mark nor holds parts.
 void RequireTraverseOutput(const std::filesystem::path& root);

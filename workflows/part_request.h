@@ -18,8 +18,9 @@ struct PartRequest {
   PartOptions options;
   std::optional<std::string> until, from;  // stage names of the technique
   bool force = false;                      // empty the output folder first
+  bool take_up_frames = true;              // RunPlan::take_up_frames
   int threads = 2;
-  int memory_mb = 2048;                        // bounds how many frames are dense-matched at once
+  int memory_mb = 2048;                        // bounds how many frames are at work at once
   int sharing = 1;                             // parts at work at the same time in this process
   std::optional<std::filesystem::path> truth;  // TUM file, or folder with trajectory.tum
   bool quiet = false;

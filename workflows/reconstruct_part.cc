@@ -11,6 +11,7 @@
 #include "workflows/run_in_folder.h"
 #include "workflows/stages/compare_result.h"
 #include "workflows/stages/dense.h"
+#include "workflows/stages/features.h"
 #include "workflows/stages/fusion.h"
 #include "workflows/truth_files.h"
 
@@ -39,6 +40,7 @@ void RequireMemory(const PartRequest& request, const Dataset& dataset) {
     return !request.until ||
            recipe.Ancestors(recipe.IndexOf(*request.until))[recipe.IndexOf(stage)];
   };
+  if (is_done("features")) RequireMemoryForFeatures(dataset.rig, request.memory_mb);
   if (!is_done("dense")) return;
   const double view_mb =
       RequireMemoryForDepth(dataset.rig, options.dense, options.masks, request.memory_mb);

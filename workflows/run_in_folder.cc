@@ -84,7 +84,8 @@ Ledger RunRecipe(const FolderRun& run, const fs::path& root, const KnownInput& i
   const PartRequest& request = run.request;
   const StageGraph recipe = run.recipe(input.dataset, input.content);
   StageRunner runner(recipe, root,
-                     {run.name, request.until, request.from, request.memory_mb, KnownOutputs()});
+                     {run.name, request.until, request.from, request.memory_mb, KnownOutputs(),
+                      request.take_up_frames});
   NameWhatGoes(runner);
   input.hashes.Save(HashesPath(root));
   RenewLinks(root, input.dataset);

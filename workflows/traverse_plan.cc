@@ -8,6 +8,7 @@
 #include <exception>
 
 #include "core/error.h"
+#include "core/memory_share.h"
 #include "core/stamp.h"
 #include "core/stamp_steps.h"
 #include "workflows/plan_remarks.h"
@@ -231,16 +232,16 @@ double EstimatedJoinSeconds(const TraversePlan& plan, int threads) {
 
 double EstimatedMegabytes(const PartJob& job, int memory_mb) {
   // Correspondences and sums of the adjustment grow with the pairs; depth is bounded by --memory.
-  constexpr double kProgram = 150.0, kPerPair = 1.0;
-  return std::max<double>(memory_mb, kProgram + kPerPair * job.pairs);
+  constexpr double kPerPair = 1.0;
+  return std::max<double>(memory_mb, kProgramMegabytes + kPerPair * job.pairs);
 }
 
 int PartsAtOnce(const TraversePlan& plan, int threads, int memory_mb) {
-  constexpr double kProgram = 150.0, kPerPair = 1.0, kPerMegapixel = 250.0;  // of one thread
+  constexpr double kPerPair = 1.0, kPerMegapixel = 250.0;  // of one thread
   double needed_mb = 1.0;
   for (const PartJob& job : plan.jobs) {
-    needed_mb =
-        std::max(needed_mb, kProgram + kPerPair * job.pairs + kPerMegapixel * job.megapixels);
+    needed_mb = std::max(needed_mb,
+                         kProgramMegabytes + kPerPair * job.pairs + kPerMegapixel * job.megapixels);
   }
   const int fitting = static_cast<int>(memory_mb / needed_mb);
   return std::clamp(std::min(threads, fitting), 1, std::max(1, static_cast<int>(plan.jobs.size())));

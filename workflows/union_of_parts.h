@@ -24,8 +24,9 @@ struct UnionOfParts {
 
 // File names in it are relative to `out`. Its rig is that of the file that all were given, with the
 // file's pool, or else the one that they began with before any pool. Throws DataError where a
-// folder holds no part that can be joined or no longer its keypoints, where the parts were given different rigs or features
-// made with different options, and where they disagree about a frame that they share.
+// folder holds no part that can be joined or no longer its keypoints, where the parts were given
+// different rigs or features made with different options, and where they disagree about a frame
+// that they share.
 UnionOfParts UniteParts(const std::vector<PartFolder>& folders, const std::filesystem::path& out);
 
 // Of parts' names and remarks: what all of them remark once, anything else with the part.

@@ -14,6 +14,7 @@
 #include <cstring>
 
 #include "core/error.h"
+#include "core/memory_peak.h"
 
 namespace rigmap {
 namespace {
@@ -125,6 +126,7 @@ bool Child::Reap(ProcessResult& result) {
   if (WIFSIGNALED(status)) result.signal = WTERMSIG(status);
   if (WIFEXITED(status)) result.exit_code = WEXITSTATUS(status);
   result.peak_rss_mb = static_cast<double>(usage.ru_maxrss) / 1024.0;
+  CountChild(result.peak_rss_mb);
   return true;
 }
 

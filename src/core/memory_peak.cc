@@ -5,8 +5,15 @@
 #include <algorithm>
 #include <chrono>
 #include <fstream>
+#include <utility>
 
 namespace rigmap {
+
+namespace {
+
+thread_local double largest_child_mb = 0.0;
+
+}  // namespace
 
 double ResidentMegabytes() {
   std::ifstream pages("/proc/self/statm");
@@ -14,6 +21,10 @@ double ResidentMegabytes() {
   pages >> size >> resident;
   return resident * static_cast<double>(sysconf(_SC_PAGESIZE)) / (1024.0 * 1024.0);
 }
+
+void CountChild(double peak_mb) { largest_child_mb = std::max(largest_child_mb, peak_mb); }
+
+double TakeLargestChild() { return std::exchange(largest_child_mb, 0.0); }
 
 MemoryPeak::MemoryPeak() : peak_mb_(ResidentMegabytes()), sampler_([this] { Sample(); }) {}
 

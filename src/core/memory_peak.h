@@ -31,4 +31,9 @@ class MemoryPeak {
   std::thread sampler_;
 };
 
+// The largest child process that ended in the calling thread, megabytes. The kernel keeps that of
+// all a process has had: of a later, smaller one it says nothing.
+void CountChild(double peak_mb);
+double TakeLargestChild();  // and begins anew; 0: there was none
+
 }  // namespace rigmap

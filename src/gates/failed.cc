@@ -59,20 +59,31 @@ bool Failed::IsInPieces() const {
   return !findings_.pieces.empty() && findings_.pieces.front().Count() < findings_.frames;
 }
 
+namespace {
+
+// Never as a power of ten: people read it.
+std::string Plain(double value, int digits) {
+  std::string text = fmt::format("{:.{}g}", value, digits);
+  return text.find("e+") == std::string::npos ? text : fmt::format("{:.0f}", value);
+}
+
+}  // namespace
+
 std::string ValueText(const Gate& gate, double factor) {
   if (!gate.value) return "an unknown number of";
   // As many digits as tell it from the limit.
   constexpr int kFew = 2, kMany = 6;
   std::string text;
   for (int digits = kFew; digits <= kMany; ++digits) {
-    text = fmt::format("{:.{}g}", factor * *gate.value, digits);
+    text = Plain(factor * *gate.value, digits);
     if (text != LimitText(gate, factor)) break;
   }
   return text;
 }
 
 std::string LimitText(const Gate& gate, double factor) {
-  return fmt::format("{:.4g}", factor * gate.limit);
+  constexpr int kDigits = 4;
+  return Plain(factor * gate.limit, kDigits);
 }
 
 }  // namespace rigmap

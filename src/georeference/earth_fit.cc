@@ -94,18 +94,6 @@ void Judge(EarthFit& fit, const RtkFit& rtk, const RtkAlignmentOptions& alignmen
   JudgeTilt(fit.across_path, "roll about the path", alignment.max_place_sigma_m, weaknesses);
 }
 
-// As AlignToRtk, else with less asked of it.
-RtkFit Align(std::span<const GnssFix> fixes, const Trajectory& trajectory,
-             const Eigen::Vector3d& antenna_in_left, const RtkAlignmentOptions& alignment,
-             double max_map_sigma_m) {
-  RtkFit rtk = AlignToRtk(fixes, trajectory, antenna_in_left, alignment);
-  if (rtk.alignment) return rtk;
-  RtkAlignmentOptions less = alignment;
-  less.max_clock_offset_s = 0.0;
-  less.max_place_sigma_m = std::max(max_map_sigma_m, alignment.max_place_sigma_m);
-  return AlignToRtk(fixes, trajectory, antenna_in_left, less);
-}
-
 nlohmann::ordered_json ToJson(const std::optional<TiltCheck>& check) {
   if (!check) return nullptr;
   return {{"degrees", kDegrees * check->angle_rad}, {"sigma_degrees", kDegrees * check->sigma_rad}};
@@ -155,7 +143,8 @@ EarthFit FitToEarth(std::span<const GnssFix> fixes, const Trajectory& trajectory
                     const EarthFitOptions& options) {
   RequireValid(options);
   EarthFit fit;
-  const RtkFit rtk = Align(fixes, trajectory, antenna_in_left, alignment, options.max_map_sigma_m);
+  const RtkFit rtk =
+      AlignToRtkWeakly(fixes, trajectory, antenna_in_left, alignment, options.max_map_sigma_m);
   // Elsewhere on Earth they may fit well enough to be believed.
   const std::string exchanged = FitOnlyExchanged(fixes, trajectory, antenna_in_left, alignment);
   if (!exchanged.empty()) return {.frame = {}, .why = exchanged};

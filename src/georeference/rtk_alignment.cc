@@ -166,6 +166,19 @@ RtkFit AlignToRtk(std::span<const GnssFix> fixes, const Trajectory& trajectory,
   return fit;
 }
 
+RtkFit AlignToRtkWeakly(std::span<const GnssFix> fixes, const Trajectory& trajectory,
+                        const Eigen::Vector3d& antenna_in_left, const RtkAlignmentOptions& options,
+                        double max_place_sigma_m) {
+  RtkFit fit = AlignToRtk(fixes, trajectory, antenna_in_left, options);
+  if (fit.alignment) return fit;
+  RtkAlignmentOptions less = options;
+  less.max_clock_offset_s = 0.0;
+  less.max_place_sigma_m = std::max(max_place_sigma_m, options.max_place_sigma_m);
+  fit.alignment = AlignToRtk(fixes, trajectory, antenna_in_left, less).alignment;
+  fit.is_weak = fit.alignment.has_value();
+  return fit;
+}
+
 std::string FitOnlyExchanged(std::span<const GnssFix> fixes, const Trajectory& trajectory,
                              const Eigen::Vector3d& antenna_in_left,
                              const RtkAlignmentOptions& options) {

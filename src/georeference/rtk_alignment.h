@@ -55,6 +55,7 @@ struct RtkFit {
   std::optional<RtkAlignment> alignment;
   // Where there is none, or its clock offset is held: why, a sentence.
   std::string why;
+  bool is_weak = false;  // AlignToRtkWeakly gave what AlignToRtk would not
 };
 
 // The horizontal motion and clock offset that lay the antenna's path on the fixes: a search over
@@ -63,6 +64,14 @@ struct RtkFit {
 // in any order; a trajectory may be empty. Throws UsageError for options out of range.
 RtkFit AlignToRtk(std::span<const GnssFix> fixes, const Trajectory& trajectory,
                   const Eigen::Vector3d& antenna_in_left, const RtkAlignmentOptions& options = {});
+
+// The same or, where it gives none, with less asked of it: the clock held at 0 as if exact, a place
+// known to `max_place_sigma_m`. `why` says then why AlignToRtk gives
+// none. For what has to be laid
+// on fixes though it may stray from them.
+RtkFit AlignToRtkWeakly(std::span<const GnssFix> fixes, const Trajectory& trajectory,
+                        const Eigen::Vector3d& antenna_in_left, const RtkAlignmentOptions& options,
+                        double max_place_sigma_m);
 
 // Of fixes that fit the path only where latitude and longitude are exchanged, as their file may
 // have them: a sentence that says so. Such fixes show the path mirrored and stretched, to which a

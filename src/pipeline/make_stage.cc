@@ -1,7 +1,6 @@
 #include "pipeline/internal/make_stage.h"
 
 #include <spdlog/spdlog.h>
-#include <sys/resource.h>
 
 #include <algorithm>
 #include <chrono>
@@ -10,22 +9,12 @@
 #include "core/memory_peak.h"
 
 namespace rigmap {
-namespace {
-
-// Largest child so far, of all stages.
-double ChildrenPeakMb() {
-  rusage usage{};
-  getrusage(RUSAGE_CHILDREN, &usage);
-  return static_cast<double>(usage.ru_maxrss) / 1024.0;
-}
-
-}  // namespace
 
 MadeStage MakeStage(const StageNode& stage, const std::string& key, StageContext context,
                     const StageNode::Inputs& inputs, const StageFiles& files) {
   using Clock = std::chrono::steady_clock;
   const Clock::time_point start = Clock::now();
-  const double children_before_mb = ChildrenPeakMb();
+  TakeLargestChild();  // of before
   MemoryPeak memory;
   Publication publication(context.root, stage.publishes);
   context.publication = &publication;
@@ -42,10 +31,7 @@ MadeStage MakeStage(const StageNode& stage, const std::string& key, StageContext
   files.ForgetOlderProducts(stage.name, key);
   made.published.assign(publication.written().begin(), publication.written().end());
   made.seconds = std::chrono::duration<double>(Clock::now() - start).count();
-  // The kernel keeps the largest child of all; one that grew it ran in this stage.
-  const double children_mb = ChildrenPeakMb();
-  made.peak_rss_mb =
-      std::max(memory.Megabytes(), children_mb > children_before_mb ? children_mb : 0.0);
+  made.peak_rss_mb = std::max(memory.Megabytes(), TakeLargestChild());
   spdlog::info("done, {:.3f} s", made.seconds);
   return made;
 }

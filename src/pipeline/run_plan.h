@@ -13,6 +13,8 @@ struct RunPlan {
   int memory_mb = 2048;
   // What any recipe may publish: of these nothing may lie in the folder that no record speaks of.
   std::vector<std::string> known_outputs;
+  // Whether a stage that is made anew may take up what an earlier run has found of single frames.
+  bool take_up_frames = true;
 };
 
 }  // namespace rigmap

@@ -272,7 +272,7 @@ StageContext StageRunner::ContextOf(std::size_t index) const {
           .scratch = files_.Scratch(name),
           .threads = job ? job->threads() : 1,
           .memory_mb = plan_.memory_mb,
-          .may_reuse = !schedule_.anew[index],
+          .may_reuse = plan_.take_up_frames && !schedule_.anew[index],
           .publication = nullptr};
 }
 

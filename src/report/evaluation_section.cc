@@ -202,7 +202,7 @@ std::string ObjectTables(const FigureSource& source, const std::string& pointer,
 }
 
 // Where the world lies, and what the fixes leave open of that.
-std::string PlaceOnEarth(const FigureSource& earth) {
+std::string GeoreferenceText(const FigureSource& earth) {
   if (!earth.json.is_object()) return "";
   std::string text = "<h3>On the Earth</h3>\n";
   if (At(earth.json, "/epsg").is_null()) {
@@ -229,7 +229,7 @@ std::string EvaluationSection(const PartContent& content) {
   const FigureSource evaluation = content.folder.Evaluation();
   std::string body;
   if (evaluation.json.is_object()) body = ObjectTables(evaluation, "", 0);
-  body += PlaceOnEarth({"georeference", content.folder.georeference});
+  body += GeoreferenceText({"georeference", content.folder.georeference});
   if (body.empty()) return "";
   const bool ties = At(content.folder.summary, "/rtk_use/used") == Json(true);
   return HtmlSection(

@@ -77,7 +77,7 @@ TEST(EarthFit, FindsPositionHeightAndHeadingAnywhereOnEarthWithinItsSigmas) {
   EXPECT_LT(height_square, 2.0);
 }
 
-TEST(EarthFit, FixesThatFitOnlyExchangedGiveNoPlaceOnEarth) {
+TEST(EarthFit, FixesThatFitOnlyExchangedGiveNoEarthFrame) {
   SeededRandom random;
   const Geodetic origin{52.2, 4.4, 3.0};
   Driven driven =

@@ -213,6 +213,24 @@ TEST(RtkAlignment, SaysWhyThereIsNone) {
        "too short a path");
 }
 
+// What strays has to be judged all the same.
+TEST(RtkAlignment, APathOfAnotherScaleIsLaidOnItsFixesWeakly) {
+  SeededRandom random;
+  const RoverDrive drive(SCurve(), 60.0);
+  const auto fixes = drive.Fixes({}, 0.0, random);
+  Trajectory poses = drive.Poses(0.0, random);
+  constexpr double kMaxSigma_m = 1.0;
+  EXPECT_FALSE(AlignToRtkWeakly(fixes, poses, kAntennaInLeft, {}, kMaxSigma_m).is_weak);
+  for (TimedPose& pose : poses) pose.world_from_left.translation *= 1.05;
+  const RtkFit refused = AlignToRtk(fixes, poses, kAntennaInLeft);
+  ASSERT_FALSE(refused.alignment);
+  const RtkFit weak = AlignToRtkWeakly(fixes, poses, kAntennaInLeft, {}, kMaxSigma_m);
+  ASSERT_TRUE(weak.alignment);
+  EXPECT_TRUE(weak.is_weak);
+  EXPECT_EQ(weak.why, refused.why);
+  EXPECT_GT(weak.alignment->rms_residual_m, 0.02);
+}
+
 TEST(RtkAlignment, PredictedPosesDoNotCount) {
   SeededRandom random;
   const RoverDrive drive(SCurve(), 60.0);

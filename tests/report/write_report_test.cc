@@ -99,7 +99,7 @@ TEST_F(WriteReportTest, NamesImagesThatCannotBeRead) {
               HasSubstr("<li>beach/LocCam_2015_11_26_15_23_36_000_0.png</li>"));
 }
 
-TEST_F(WriteReportTest, TellsWhatTheFixesLeaveOpenOfThePlaceOnEarth) {
+TEST_F(WriteReportTest, TellsWhatTheFixesLeaveOpenOfTheGeoreference) {
   const auto folder = WriteSampleResult(folder_);
   folder_.Write("result/georeference.json",
                 Json{{"epsg", nullptr}, {"why", "columns exchanged?"}}.dump());

@@ -99,8 +99,41 @@ TEST_F(CompareTest, DrivesOfTheSameNameStandBesideEachOther) {
   }
   const json rows = Rows();
   ASSERT_EQ(rows.size(), 2U);
+  EXPECT_THAT(rows[0]["truth"].get<std::string>(), HasSubstr("groundtruth_tum.txt"));  // its own
   EXPECT_EQ(rows[0]["part"], "drive-data");
   EXPECT_THAT(rows[1]["part"].get<std::string>(), StartsWith("drive-data-"));
+}
+
+TEST_F(CompareTest, WhatElseLiesInItsFolderDoesNotDisturb) {
+  const std::vector<std::string> accuracies{"--techniques", "vo", "--sweep",
+                                            "gates.accuracy_pct=0.001,90"};
+  ASSERT_EQ(Compare(accuracies).exit_code, 0);
+  json rows = Rows();
+  ASSERT_EQ(rows.size(), 2U);
+  EXPECT_THAT(rows[0]["reason"].get<std::string>(), HasSubstr("asked was 0.001 %"));
+  EXPECT_THAT(rows[1]["reason"].dump(), testing::Not(HasSubstr("asked was 1 %")));
+  EXPECT_EQ(rows[0]["truth"], (SimulatedPartFolder() / "groundtruth_tum.txt").string());
+
+  const fs::path part = out_ / "runs" / SimulatedPartFolder().filename();
+  const auto write = [](const fs::path& path, const char* text) {
+    WriteFileAtomically(path, [&](std::ostream& stream) { stream << text; });
+  };
+  write(out_ / "runs" / "note.txt", "mine");
+  write(part / "note.txt", "mine");
+  write(part / "vo gates.accuracy_pct=90" / "1.json", "{\"half\": ");
+  const ProgramEnd again = Compare(accuracies);
+  EXPECT_EQ(again.exit_code, 0) << again.err;
+  EXPECT_EQ(Rows(), rows);
+}
+
+TEST_F(CompareTest, IsNotPutAmongOtherFiles) {
+  const fs::path data = CopyOfSimulatedPart(folder_.Path());
+  const ProgramEnd end =
+      RunRigmap({"compare", "--dataset", data, "--techniques", "wheels", "--out", data});
+  EXPECT_EQ(end.exit_code, 1);
+  EXPECT_THAT(end.LastErrorLine(), HasSubstr("holds no comparison of rigmap"));
+  EXPECT_FALSE(fs::exists(data / "comparison.csv"));
+  EXPECT_FALSE(fs::exists(data / "runs"));
 }
 
 TEST_F(CompareTest, KnowsBeforeTheFirstRunWhatCannotBe) {

@@ -38,12 +38,12 @@ std::vector<GnssFix> DrivenNorth(int count, double speed) {
   std::vector<GnssFix> fixes;
   for (int i = 0; i < count; ++i) {
     // Scattered by as much as is stated.
-    const Geodetic place = plane.ToGeodetic({0.005 * (i % 3 - 1), speed * i, 0.0});
+    const Geodetic position = plane.ToGeodetic({0.005 * (i % 3 - 1), speed * i, 0.0});
     fixes.push_back({i * kSecond_ns,
                      std::string(kRtkFixed),
-                     place.latitude_deg,
-                     place.longitude_deg,
-                     place.altitude_m,
+                     position.latitude_deg,
+                     position.longitude_deg,
+                     position.altitude_m,
                      {0.005, 0.005, 0.01}});
   }
   return fixes;

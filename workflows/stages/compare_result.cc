@@ -14,6 +14,7 @@
 #include "evaluation/rock_metrics.h"
 #include "evaluation/rtk_metrics.h"
 #include "export/ply_reader.h"
+#include "georeference/earth_fit.h"
 #include "georeference/fix_pairs.h"
 
 namespace rigmap {
@@ -133,7 +134,10 @@ struct OnFixes {
 
 OnFixes LayOnFixes(const std::vector<GnssFix>& fixes, const Trajectory& trajectory,
                    const Eigen::Vector3d& antenna_in_left, const RtkAlignmentOptions& options) {
-  OnFixes on{AlignToRtk(fixes, trajectory, antenna_in_left, options)};
+  // A path that strays from its fixes is known less well there than one that is to be believed, but
+  // by how much it strays is just what is asked.
+  const double max_place_sigma_m = EarthFitOptions().max_map_sigma_m;
+  OnFixes on{AlignToRtkWeakly(fixes, trajectory, antenna_in_left, options, max_place_sigma_m)};
   if (on.fit.alignment) on.described = ToJson(*on.fit.alignment);
   if (!on.fit.why.empty()) on.described["why"] = on.fit.why;
   if (!on.fit.alignment) return on;
@@ -162,7 +166,8 @@ nlohmann::ordered_json CompareWithSurvey(const SurveyedResult& result,
   nlohmann::ordered_json json{{"rtk", described}};
   std::error_code ignored;
   const auto& rocks = result.truth.surveyed_rocks;
-  if (!fit.alignment || rocks.empty() || !fs::exists(result.map_ply, ignored)) return json;
+  if (!fit.alignment || fit.is_weak || rocks.empty() || !fs::exists(result.map_ply, ignored))
+    return json;
   json["surveyed_rocks"] = ToJson(CompareWithSurvey(RocksOf(result.map_ply, options.rocks),
                                                     {result.trajectory, result.rig},
                                                     {rocks, *fit.alignment}, options.survey));

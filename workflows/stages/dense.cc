@@ -252,7 +252,12 @@ double RequireMemoryForDepth(const StereoRig& rig, const DenseOptions& options,
   const double nearest_m =
       options.min_depth_m > 0.0 ? options.min_depth_m : DepthsSeen(rig, {}).nearest_m;
   const DenseMatcher matcher(rig, nearest_m, options, masks);
-  FramesAtOnce(matcher.MegabytesPerFrame(), nearest_m,
+  // A nearest depth that is no help is not spoken of.
+  constexpr double kMuchFurther = 16.0;
+  const DenseMatcher far_matcher(rig, kMuchFurther * nearest_m, options, masks);
+  const bool helps = kProgramMegabytes + far_matcher.MegabytesPerFrame() <= allowed_mb;
+  FramesAtOnce(matcher.MegabytesPerFrame(),
+               helps ? nearest_m : std::numeric_limits<double>::infinity(),
                {static_cast<double>(allowed_mb), allowed_mb, 1});
   return matcher.MegabytesPerView();
 }

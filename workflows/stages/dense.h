@@ -48,9 +48,6 @@ struct DenseRoom {
 };
 int FramesAtOnce(double frame_mb, double nearest_m, const DenseRoom& room);
 
-// Of the program itself, whatever it does (docs/traverse.md).
-inline constexpr double kProgramMegabytes = 150.0;
-
 // Throws as FramesAtOnce, for images of this rig however near the things are that they show. What
 // one depth map takes.
 double RequireMemoryForDepth(const StereoRig& rig, const DenseOptions& options,

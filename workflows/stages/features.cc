@@ -1,9 +1,16 @@
 #include "workflows/stages/features.h"
 
+#include <fmt/format.h>
 #include <spdlog/spdlog.h>
 #include <tbb/parallel_for.h>
 
+#include <algorithm>
+#include <cmath>
+
 #include "core/artefact.h"
+#include "core/error.h"
+#include "core/job.h"
+#include "core/memory_share.h"
 #include "core/progress.h"
 #include "core/statistics.h"
 #include "pipeline/code_identity.h"
@@ -55,6 +62,13 @@ FrameFeatures FeaturesOf(const StereoFrame& frame, const FrameFile& file, const 
   return features;
 }
 
+// Of a frame whose keypoints are looked for: both images, their scales and gradients.
+double MegabytesOf(const StereoRig& rig) {
+  constexpr double kPerMegapixel = 62.0;  // measured at 12
+  const Camera& camera = rig.left.camera;
+  return kPerMegapixel * 1e-6 * camera.width * camera.height;
+}
+
 FeatureIndex MakeFeatures(const StageContext& context, const Dataset& dataset,
                           const DatasetContent& content, const FeatureOptions& options,
                           const MaskOptions& masks) {
@@ -71,14 +85,19 @@ FeatureIndex MakeFeatures(const StageContext& context, const Dataset& dataset,
   std::vector<std::optional<float>> epipolar(count);
   std::vector<std::vector<std::string>> unreadable(count);
   Progress progress("features", count);
-  tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
+  const auto extract = [&](std::size_t i) {
     FrameFeatures features = FeaturesOf(dataset.frames[i], index.files[i], setup, context);
     if (!features.epipolar_errors_px.empty()) {
       epipolar[i] = MedianAbsolute(features.epipolar_errors_px);
     }
     unreadable[i] = std::move(features.unreadable_images);
     progress.Advance();
-  });
+  };
+  const int sharing = Job::Current()->sharing();
+  const double room_mb = static_cast<double>(context.memory_mb) / sharing - kProgramMegabytes;
+  const int at_once = static_cast<int>(room_mb / MegabytesOf(dataset.rig));
+  Job::Current()->RunWithThreads(std::clamp(at_once, 1, context.threads),
+                                 [&] { tbb::parallel_for(std::size_t{0}, count, extract); });
   for (std::size_t i = 0; i < count; ++i) {
     if (epipolar[i]) index.epipolar_px.push_back(*epipolar[i]);
     if (unreadable[i].empty()) continue;
@@ -109,6 +128,14 @@ bool AreFeaturesThere(const StageContext& context, const FeatureIndex& index) {
 }
 
 }  // namespace
+
+void RequireMemoryForFeatures(const StereoRig& rig, int allowed_mb) {
+  const double needed_mb = kProgramMegabytes + MegabytesOf(rig);
+  if (needed_mb <= allowed_mb) return;
+  throw UsageError(
+      fmt::format("--memory: expected at least {:.0f} MB, for images as large as these, found {}",
+                  std::ceil(needed_mb), allowed_mb));
+}
 
 FeaturesStage Features() {
   return {.name = "features",

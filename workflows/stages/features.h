@@ -31,6 +31,8 @@ struct FeatureIndex {
 using FeaturesStage =
     Stage<FeatureIndex, Takes<Dataset, DatasetContent>, Reads<FeatureOptions, MaskOptions>>;
 FeaturesStage Features();
+// Throws UsageError where not even one frame of this rig fits into so many megabytes.
+void RequireMemoryForFeatures(const StereoRig& rig, int allowed_mb);
 
 // As the stage has left it in a part's folder, files relative to that. Throws DataError
 // (joinable.h).
