@@ -216,11 +216,13 @@ std::string Table(const Pool& pool, const PooledCalibration& calibration) {
                  : fmt::format("{:>16} {:>9} {:>12} {:>9}\n", "-", "-", "-", "-");
   }
   if (pool.parts.size() == 1) return table;
-  return table +
-         "apart: largest shift in the right image between what the part says and what all others "
-         "do: the error that this part, left out, finds in them\n"
-         "difference: square per parameter between the part and all others, in units of what both "
-         "leave unknown; the same rig has about 1. largest: of the single parameters, in sigmas\n";
+  return fmt::format(
+      "{}apart: largest shift in the right image between what the part says and what all others "
+      "do: the error that this part, left out, finds in them\n"
+      "difference: square per parameter between the part and all others, in units of what both "
+      "leave unknown; the same rig has about 1, chance makes up to {}, more is a rig that gives, "
+      "above {} a part contradicts the others. largest: of the single parameters, in sigmas\n",
+      table, kSquareByChance, kSameRigSquare);
 }
 
 // Parts that are not of one rig: it was knocked, warmed up or refocused, or one is of another.

@@ -14,10 +14,11 @@ struct CalibrationWitness {
   CalibrationEquations equations;
 };
 
-// Three sigmas in every parameter. Chance alone would stay below 2.4 (99.9 % of chi square with
-// seventeen degrees of freedom), but a rig that is used gives a little: halves of one drive in a
-// sand yard differ by 1.3, those of a car's by 4.
+// Three sigmas in every parameter. Chance alone would stay below kSquareByChance (99.9 % of chi
+// square with seventeen degrees of freedom), but a rig that is used gives a little: halves of one
+// drive in a sand yard differ by 1.3, those of a car's by 4.
 inline constexpr double kSameRigSquare = 9.0;
+inline constexpr double kSquareByChance = 2.4;
 
 // How a part compares with the others.
 struct WitnessComparison {

@@ -15,6 +15,8 @@ namespace {
 
 // No vehicle carries two cameras that far apart.
 constexpr double kMaxBaseline_m = 10.0;
+// Nor are lenses that see metres so small.
+constexpr double kMinBaseline_m = 0.002;
 // Numbers in such files are rounded to six decimals or better.
 constexpr double kMaxBaselineErrorM = 1e-6;
 // Largest entry of R^T R - 1: three decimals are enough to tell a rotation from a typing error.
@@ -220,6 +222,11 @@ Rigid3 ReadRigid(const YamlNode& node) {
 void CheckBaseline(const YamlNode& root, const StereoRig& rig) {
   const YamlNode& motion = root.At("right_from_left").At("t");
   if (!(rig.Baseline() > 0.0)) throw Complaint(motion, "expected a baseline above 0 m, found 0 m");
+  if (rig.Baseline() < kMinBaseline_m) {
+    throw Complaint(motion, fmt::format("expected a baseline in metres, found {:.4g} m: is it in "
+                                        "another unit?",
+                                        rig.Baseline()));
+  }
   if (rig.Baseline() > kMaxBaseline_m) {
     throw Complaint(motion, fmt::format("expected a baseline in metres, found {:.4g} m: is it in "
                                         "millimetres, or the focal length times the baseline, as a "

@@ -173,6 +173,40 @@ Turned TurnedBetween(const WheelSample& a, const WheelSample& b, std::size_t dri
   return turned;
 }
 
+// Joints that go round, or drives that turn as no rover's do.
+std::string JointProblem(const fs::path& path, const std::vector<WheelSample>& samples) {
+  // Of a joint, from one side to the other; with wheels of 12 cm 30 rad/s are 13 km/h.
+  constexpr double kMostSteered_rad = std::numbers::pi, kFastestDrive_radps = 30.0;
+  constexpr double kFew = 0.01;  // rows that may be spoilt
+  const auto by_stamp = [&](const auto& value) {
+    std::vector<double> values;
+    for (const WheelSample& sample : samples) values.push_back(value(sample));
+    return values;
+  };
+  for (std::size_t joint = 0; joint < 4; ++joint) {
+    const auto angles =
+        by_stamp([&](const WheelSample& sample) { return sample.steering_rad[joint]; });
+    const double least = Quantile(angles, kFew), most = Quantile(angles, 1.0 - kFew);
+    if (most - least <= kMostSteered_rad) continue;
+    return fmt::format(
+        "{}: expected steering joint {} (field {}) to stay within half a turn, found {:.1f} rad "
+        "from one side to the other: are columns exchanged, or angles in degrees?",
+        path.string(), joint + 1, 3 * (6 + joint) + 2, most - least);
+  }
+  for (std::size_t drive = 0; drive < 6; ++drive) {
+    const double rate_radps = Quantile(by_stamp([&](const WheelSample& sample) {
+                                         return std::abs(sample.drive_rate_radps[drive]);
+                                       }),
+                                       0.9);
+    if (rate_radps <= kFastestDrive_radps) continue;
+    return fmt::format(
+        "{}: expected rates of drive {} (field {}) below {} rad/s, found {:.0f} and more in a "
+        "tenth of the rows: are they in degrees?",
+        path.string(), drive + 1, 3 * drive + 3, kFastestDrive_radps, rate_radps);
+  }
+  return {};
+}
+
 std::string WheelProblem(const fs::path& path, const std::vector<WheelSample>& samples) {
   // Rates are noisy and sampled: what is turned by them may be off by a fifth, and a little.
   constexpr double kMaxShare = 0.2, kMaxOff_rad = 0.5;
@@ -190,7 +224,7 @@ std::string WheelProblem(const fs::path& path, const std::vector<WheelSample>& s
           path.string(), drive + 1, 3 * drive + 2, 3 * drive + 3, off_rad, turned_rad);
     }
   }
-  return {};
+  return JointProblem(path, samples);
 }
 
 std::string InertialProblem(const fs::path& path, const std::vector<InertialSample>& samples) {

@@ -27,10 +27,11 @@ struct RoverSensorReading {
 // The rows from 30 s before the first frame, where a rover may stand still and its gyro tell its
 // bias, to 2 s after the last. Rows that are malformed or repeat a stamp are left out with a
 // remark. `problem` is set where there is no file or row that can be used, where the clock goes
-// back, where the angles of the drives do not change as their rates say, and where the inclinometer
-// does not show gravity: what columns that were exchanged lead to. A step far longer than usual
-// while images were taken, as a clock leaves it that was set forwards, gets a remark. `frames`:
-// increasing stamps, not empty.
+// back, where the angles of the drives do not change as their rates say, where a steering joint
+// goes round or a drive turns faster than a rover's can, and where the inclinometer does not show
+// gravity: what columns that were exchanged lead to. A step far longer than usual while images were
+// taken, as a clock leaves it that was set forwards, gets a remark. `frames`: increasing stamps,
+// not empty.
 RoverSensorReading ReadRoverSensors(const std::filesystem::path& part_folder,
                                     std::span<const StereoFrame> frames);
 

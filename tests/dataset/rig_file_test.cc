@@ -71,7 +71,7 @@ TEST_F(RigFileTest, ReadsTheSample) {
 }
 
 TEST_F(RigFileTest, ABaselineThatIsNotInMetresIsQuestioned) {
-  for (const char* t : {"-120, 0, 0", "-386.1448, 0, 0"}) {
+  for (const char* t : {"-120, 0, 0", "-386.1448, 0, 0", "-0.00012, 0, 0"}) {
     const std::string complaint = Complaint("-0.12, 0, 0", t);
     EXPECT_THAT(complaint, HasSubstr("expected a baseline in metres"));
   }

@@ -183,6 +183,35 @@ TEST_F(RoverSensorFilesTest, RowsOfAnotherTimeAreAProblem) {
               HasSubstr("expected rows at the time of the images, found none"));
 }
 
+TEST_F(RoverSensorFilesTest, DrivesInTheColumnsOfSteeringAreAProblem) {
+  std::string wheels;
+  for (int ms = 0; ms < 10'000; ms += 80) {
+    wheels += Stamp(ms);
+    for (int i = 0; i < 6; ++i) wheels += " 0.2 0 0.7";
+    for (int i = 0; i < 4; ++i) {
+      wheels += fmt::format(" {} {} 0.7", 1e-3 * ms * kWheelRate_radps, kWheelRate_radps);
+    }
+    wheels += " 0 0 0\n";
+  }
+  EXPECT_THAT(Read(wheels, ImuRows()).wheels.problem,
+              AllOf(HasSubstr("expected steering joint 1 (field 20) to stay within half a turn"),
+                    HasSubstr("are columns exchanged")));
+}
+
+TEST_F(RoverSensorFilesTest, RatesInDegreesAreAProblem) {
+  std::string wheels;
+  constexpr double kRate = 90.0;  // degrees a second
+  for (int ms = 0; ms < 10'000; ms += 80) {
+    wheels += Stamp(ms);
+    for (int i = 0; i < 6; ++i) wheels += fmt::format(" {} {} 0.7", 1e-3 * ms * kRate, kRate);
+    for (int i = 0; i < 4; ++i) wheels += " 0.1 0 0.4";
+    wheels += " 0 0 0\n";
+  }
+  EXPECT_THAT(Read(wheels, ImuRows()).wheels.problem,
+              AllOf(HasSubstr("rates of drive 1 (field 3) below 30 rad/s, found 90"),
+                    HasSubstr("in degrees?")));
+}
+
 TEST_F(RoverSensorFilesTest, ExchangedColumnsAreAProblem) {
   std::string wheels, imu;
   for (int ms = 0; ms < 10'000; ms += 80) {
