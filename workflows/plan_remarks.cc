@@ -11,10 +11,6 @@
 namespace rigmap {
 namespace {
 
-double SecondsBetween(StampNs from_ns, StampNs to_ns) {
-  return 1e-9 * static_cast<double>(to_ns - from_ns);
-}
-
 // From one fix to the next.
 struct FixStep {
   double seconds = 0.0, metres = 0.0;

@@ -10,7 +10,7 @@
 #include "dataset/open_dataset.h"
 #include "workflows/run_in_folder.h"
 #include "workflows/stages/compare_result.h"
-#include "workflows/stages/dense.h"
+#include "workflows/stages/dense_memory.h"
 #include "workflows/stages/features.h"
 #include "workflows/stages/fusion.h"
 #include "workflows/truth_files.h"

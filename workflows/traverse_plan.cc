@@ -68,7 +68,6 @@ PartData Examine(const Dataset& dataset, std::string name) {
 
 // Of the parts that can be used, each beside the one that begins before it.
 void RemarkOnPauses(std::vector<PartData>& parts) {
-  constexpr double kGap = 2.5;  // usual steps, as within a part
   std::vector<PartData*> in_order;
   for (PartData& part : parts) {
     if (IsUsable(part)) in_order.push_back(&part);
@@ -79,7 +78,7 @@ void RemarkOnPauses(std::vector<PartData>& parts) {
     PartData& later = *in_order[i];
     std::string remark =
         RemarkOnNeighbours({earlier.name, earlier.first_s, earlier.last_s},
-                           {later.name, later.first_s, later.last_s}, kGap * later.interval_s);
+                           {later.name, later.first_s, later.last_s}, kGapSteps * later.interval_s);
     if (!remark.empty()) later.remarks.push_back(std::move(remark));
   }
 }

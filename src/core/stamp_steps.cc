@@ -5,7 +5,6 @@
 namespace rigmap {
 
 StampSteps StepsOf(const std::vector<StampNs>& stamps) {
-  constexpr double kGapSteps = 2.5;
   std::vector<StampNs> steps_ns;
   for (std::size_t i = 1; i < stamps.size(); ++i) steps_ns.push_back(stamps[i] - stamps[i - 1]);
   StampSteps result;

@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <opencv2/imgproc.hpp>
 #include <optional>
 #include <vector>
 
 #include "core/statistics.h"
+#include "fusion/internal/frame_comparison.h"
 #include "fusion/internal/view_consistency.h"
 
 namespace rigmap {
@@ -40,14 +40,13 @@ double NearestDepth(const DepthMap& map) {
 std::optional<std::size_t> FurtherBack(std::size_t frame, double step_m,
                                        std::span<const Rigid3> world_from_left,
                                        const FusionOptions& options) {
-  const double least_cosine = std::cos(options.max_neighbour_angle_deg * std::numbers::pi / 180.0);
   const Rigid3& own = world_from_left[frame];
   const Eigen::Vector3d forward = own.rotation * Eigen::Vector3d::UnitZ();
   for (std::size_t back = 1; back <= std::min(frame, kReach); ++back) {
     const Rigid3& other = world_from_left[frame - back];
     const double ahead_m = forward.dot(own.translation - other.translation);
     if (ahead_m < step_m) continue;
-    if (forward.dot(other.rotation * Eigen::Vector3d::UnitZ()) < least_cosine) return std::nullopt;
+    if (!FaceAlike(own, other, options)) return std::nullopt;
     return frame - back;
   }
   return std::nullopt;

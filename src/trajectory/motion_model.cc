@@ -4,10 +4,10 @@
 #include <cmath>
 #include <vector>
 
+#include "core/stamp_steps.h"
+
 namespace rigmap {
 namespace {
-
-double SecondsBetween(StampNs from, StampNs to) { return 1e-9 * static_cast<double>(to - from); }
 
 // Of frame i from the one before it.
 double SpeedMPerS(const Odometry& odometry, std::size_t i) {

@@ -1,6 +1,4 @@
 // How much memory dense matching may take.
-#include "workflows/stages/dense.h"
-
 #include <gmock/gmock.h>
 
 #include "core/error.h"
@@ -8,6 +6,7 @@
 #include "dense/seen_depths.h"
 #include "tests/support/message_of.h"
 #include "tests/support/simulated_part.h"
+#include "workflows/stages/dense_memory.h"
 #include "workflows/stages/features.h"
 #include "workflows/stages/fusion.h"
 

@@ -10,6 +10,7 @@
 #include <optional>
 
 #include "core/error.h"
+#include "core/stamp_steps.h"
 #include "core/statistics.h"
 #include "gates/accuracy.h"
 #include "georeference/fix_judgement.h"
@@ -24,10 +25,6 @@ namespace rigmap {
 namespace {
 
 constexpr double kFewestSigmas = 2.0;  // that the judges gain
-
-double SecondsBetween(StampNs from_ns, StampNs to_ns) {
-  return 1e-9 * static_cast<double>(to_ns - from_ns);
-}
 
 class FixTie {
  public:

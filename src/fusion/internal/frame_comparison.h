@@ -10,6 +10,9 @@
 
 namespace rigmap {
 
+// Whether their axes differ by at most max_neighbour_angle_deg.
+bool FaceAlike(const Rigid3& a, const Rigid3& b, const FusionOptions& options);
+
 // Frames by their index.
 struct FrameComparison {
   std::vector<std::size_t> near;   // nearest in place, nearest first
