@@ -7,6 +7,7 @@
 
 #include "core/error.h"
 #include "core/file.h"
+#include "gates/refusal.h"
 
 namespace rigmap {
 namespace {
@@ -29,8 +30,8 @@ std::string PathLine(const json& verdict) {
     line += fmt::format(" +- {:.2g} %", verdict.at("scale_95_pct").get<double>());
   }
   if (verdict.at("position_95_m").is_number()) {
-    line += fmt::format(", worst position +- {:.2g} cm (95 %)",
-                        100.0 * verdict.at("position_95_m").get<double>());
+    line += fmt::format(", worst position +- {} (95 %)",
+                        LengthText(verdict.at("position_95_m").get<double>()));
   }
   return line + "\n";
 }
