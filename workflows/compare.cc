@@ -4,7 +4,9 @@
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <map>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <tuple>
 
 #include "core/error.h"
@@ -12,6 +14,7 @@
 #include "workflows/comparison.h"
 #include "workflows/comparison_runs.h"
 #include "workflows/output_folder.h"
+#include "workflows/part_folder.h"
 #include "workflows/reconstruct_part.h"
 #include "workflows/report.h"
 
@@ -59,8 +62,7 @@ ComparisonRow Do(const ComparisonRun& run) {
   }
 }
 
-void DoAll(const CompareRequest& request) {
-  const std::vector<ComparisonRun> runs = PlanComparison(request);
+void DoAll(const CompareRequest& request, const std::vector<ComparisonRun>& runs) {
   for (std::size_t i = 0; i < runs.size(); ++i) {
     const ComparisonRun& run = runs[i];
     if (!request.part->quiet) {
@@ -86,6 +88,13 @@ std::size_t OrderOf(const std::string& technique) {
   return static_cast<std::size_t>(std::ranges::find(kNames, technique) - kNames.begin());
 }
 
+void SortRows(std::vector<ComparisonRow>& rows) {
+  std::ranges::sort(rows, {}, [](const ComparisonRow& row) {
+    return std::tuple(row["part"].get<std::string>(), OrderOf(row["technique"]),
+                      row["setting"].get<std::string>(), row["repeat"].get<int>());
+  });
+}
+
 bool IsRow(const ComparisonRow& row) {
   return row.is_object() && row.contains("part") && row.contains("technique") &&
          row.contains("setting") && row.contains("repeat") && row.contains("status");
@@ -108,22 +117,64 @@ std::vector<ComparisonRow> StoredRows(const fs::path& out) {
       }
     }
   }
-  std::ranges::sort(rows, {}, [](const ComparisonRow& row) {
-    return std::tuple(row["part"].get<std::string>(), OrderOf(row["technique"]),
-                      row["setting"].get<std::string>(), row["repeat"].get<int>());
-  });
+  SortRows(rows);
   return rows;
 }
 
+// How its options differ from the defaults; nothing where another release wrote them.
+std::string SettingOfResult(const fs::path& out) {
+  try {
+    const PartOptions options = LoadPartOptions(out / "config.yaml", {});
+    return fmt::format("{}", fmt::join(ListChangedOptions(options), " "));
+  } catch (const std::exception& error) {
+    spdlog::warn("{}; its setting is not told", error.what());
+    return "";
+  }
+}
+
+// Names for the data of results, by their marks: equal for equal frames alone.
+std::vector<std::string> NamesOfData(const std::vector<PartFolder>& results) {
+  std::map<std::string, std::string> names;  // by the frames
+  std::set<std::string> taken;
+  std::vector<std::string> of_results;
+  for (const PartFolder& result : results) {
+    const FolderMark mark = MarkIn(result.root).value_or(FolderMark{result.name, result.name});
+    auto& name = names[mark.frames];
+    if (name.empty()) {
+      name = mark.description;
+      for (int i = 2; !taken.insert(name).second; ++i) {
+        name = fmt::format("{} ({})", mark.description, i);
+      }
+    }
+    of_results.push_back(name);
+  }
+  return of_results;
+}
+
+// Results that lie anywhere. What is alike but for its folder bears the folder's name, too.
 std::vector<ComparisonRow> RowsOf(const std::vector<fs::path>& outs) {
+  const std::vector<PartFolder> results = NameParts(outs);
+  const std::vector<std::string> data = NamesOfData(results);
   std::vector<ComparisonRow> rows;
-  for (const fs::path& out : outs) {
-    ComparisonRow row =
-        MakeRow({.part = out.lexically_normal().string(), .run = fs::absolute(out)}, out);
-    const auto summary = nlohmann::json::parse(ReadTextFile(out / "summary.json"));
+  std::map<std::string, int> alike;
+  const auto key = [](const ComparisonRow& row) {
+    return row["part"].dump() + row["technique"].dump() + row["setting"].dump();
+  };
+  for (std::size_t i = 0; i < results.size(); ++i) {
+    ComparisonRow row = MakeRow({.part = data[i], .run = results[i].root}, results[i].root);
+    const auto summary = nlohmann::json::parse(ReadTextFile(results[i].root / "summary.json"));
     row["technique"] = summary.value("technique", "rig");
+    row["setting"] = SettingOfResult(results[i].root);
+    ++alike[key(row)];
     rows.push_back(std::move(row));
   }
+  for (std::size_t i = 0; i < results.size(); ++i) {
+    if (alike[key(rows[i])] == 1) continue;
+    const std::string setting = rows[i]["setting"];
+    rows[i]["setting"] =
+        fmt::format("{}{}in {}", setting, setting.empty() ? "" : " ", results[i].name);
+  }
+  SortRows(rows);
   return rows;
 }
 
@@ -131,15 +182,18 @@ std::vector<ComparisonRow> RowsOf(const std::vector<fs::path>& outs) {
 
 std::string Compare(const CompareRequest& request) {
   RequireComparisonOutput(request.out);
-  if (request.part) DoAll(request);
-  const auto rows = request.part ? StoredRows(request.out) : RowsOf(request.outs);
+  const auto runs = request.part ? PlanComparison(request) : std::vector<ComparisonRun>();
+  const auto results = request.part ? std::vector<ComparisonRow>() : RowsOf(request.outs);
+  const OutputLock lock(request.out);
+  DoAll(request, runs);
+  const auto rows = request.part ? StoredRows(request.out) : results;
   const auto comparison = WriteComparison(rows);
-  fs::create_directories(request.out);
   WriteFileAtomically(request.out / "comparison.json",
                       [&](std::ostream& stream) { stream << comparison.dump(1) << "\n"; });
   WriteFileAtomically(request.out / "comparison.csv",
                       [&](std::ostream& stream) { stream << WriteComparisonCsv(rows); });
   TryToWriteReport(request.out, nullptr);
+  for (const std::string& remark : SettingsWithoutEffect(rows)) spdlog::warn("{}", remark);
   return FormatComparison(comparison);
 }
 

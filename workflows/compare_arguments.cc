@@ -25,6 +25,7 @@ void RequireNothingToRun(const CompareArguments& a) {
                                          {"--config", !a.part.config.empty()},
                                          {"--set", !a.part.assignments.empty()},
                                          {"--techniques", !a.techniques.empty()},
+                                         {"--repeat", a.repeats != 1},
                                          {"--sweep", !a.sweeps.empty()}}) {
     if (!is_given) continue;
     throw UsageError(fmt::format(

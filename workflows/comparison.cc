@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <set>
 
 #include "core/error.h"
 #include "core/file.h"
@@ -238,6 +239,29 @@ std::vector<std::string> ColumnsOf(const std::vector<ComparisonRow>& rows) {
     }
   }
   return columns;
+}
+
+std::vector<std::string> SettingsWithoutEffect(const std::vector<ComparisonRow>& rows) {
+  std::map<std::string, std::vector<std::string>> settings;  // by everything that is alike
+  for (const Json& row : rows) {
+    if (row.at("status") == "failed") continue;
+    Json figures = row;
+    for (const char* name : {"setting", "run", "seconds", "seconds_per_pair", "peak_rss_mb"}) {
+      figures.erase(name);
+    }
+    settings[figures.dump()].push_back(row.at("setting"));
+  }
+  std::set<std::string> remarks;  // repeats say the same
+  for (const auto& [figures, alike] : settings) {
+    if (alike.size() < 2) continue;
+    const Json row = Json::parse(figures);
+    std::vector<std::string> quoted;
+    for (const std::string& setting : alike) quoted.push_back(fmt::format("'{}'", setting));
+    remarks.insert(fmt::format("{}, {}: no figure differs between {}",
+                               row["part"].get<std::string>(), row["technique"].get<std::string>(),
+                               fmt::join(quoted, ", ")));
+  }
+  return {remarks.begin(), remarks.end()};
 }
 
 Json WriteComparison(const std::vector<ComparisonRow>& rows) {

@@ -11,7 +11,7 @@ namespace rigmap {
 // What tells one run from the others.
 struct RunName {
   std::string part, technique;
-  std::string setting;  // "stage.option=value ...", empty: as configured
+  std::string setting;  // "stage.option=value ...": how it differs from one with all defaults
   int repeat = 0;
   std::string run, truth;  // its folder, and the true trajectory if there is one: for pictures
 };
@@ -36,6 +36,9 @@ std::vector<std::string> ColumnsOf(const std::vector<ComparisonRow>& rows);
 nlohmann::ordered_json WriteComparison(const std::vector<ComparisonRow>& rows);
 // A line per row, with a heading; empty cells for null.
 std::string WriteComparisonCsv(const std::vector<ComparisonRow>& rows);
+// A sentence for all settings of a technique by which none of a part's figures but times and memory
+// differ.
+std::vector<std::string> SettingsWithoutEffect(const std::vector<ComparisonRow>& rows);
 // For people: the medians that matter most, "median +- half the spread" where runs differ.
 std::string FormatComparison(const nlohmann::ordered_json& comparison);
 

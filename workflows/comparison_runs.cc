@@ -17,6 +17,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr int kDigits = 8;  // of a hash that tells names apart
+
 // COLMAP samples at random; all else gives equal results for equal data.
 bool HasChance(Technique technique) {
   return technique == Technique::kRig || technique == Technique::kColmap ||
@@ -65,7 +67,6 @@ std::string NameAmong(const fs::path& runs, const PartRequest& part) {
   if (!found) return name;
   Job job(part.threads, true);
   const std::string key = job.Run([&] { return KeyOf(part.dataset, HashesPath(found->second)); });
-  constexpr int kDigits = 8;
   return key == found->first.frames ? name : name + "-" + key.substr(0, kDigits);
 }
 
@@ -85,9 +86,44 @@ std::vector<std::vector<std::string>> Settings(const std::vector<Sweep>& sweeps)
   return settings;
 }
 
-bool Names(const std::vector<std::string>& setting, const std::string& option) {
-  return std::ranges::any_of(
-      setting, [&](const std::string& assignment) { return assignment.starts_with(option + "="); });
+std::vector<std::string> SweptOptions(const std::vector<Sweep>& sweeps) {
+  std::vector<std::string> swept;
+  for (const Sweep& sweep : sweeps) swept.push_back(sweep.option);
+  return swept;
+}
+
+// How a run differs from one with all defaults, whichever of --set, --config, --accuracy, --rig
+// and --sweep says so; swept options in any case.
+std::string SettingOf(const PartRequest& run, const std::vector<std::string>& swept) {
+  std::vector<std::string> setting = ListChangedOptions(run.options, swept);
+  if (run.dataset.rig) {
+    setting.push_back(fmt::format("rig={}-{}", run.dataset.rig->stem().string(),
+                                  HashFile(*run.dataset.rig).substr(0, kDigits)));
+  }
+  return fmt::format("{}", fmt::join(setting, " "));
+}
+
+// Of the folder of a technique with a setting: long ones are cut, as file systems take 255 bytes.
+std::string LabelOf(const std::string& technique, const std::string& setting) {
+  if (setting.empty()) return technique;
+  std::string label = technique + " " + setting;
+  constexpr std::size_t kLongest = 120;
+  if (label.size() > kLongest) {
+    label = label.substr(0, kLongest) + "-" + HashText(label).substr(0, kDigits);
+  }
+  std::ranges::replace(label, '/', '_');
+  return label;
+}
+
+// The options of a run: those of the configuration and those that it sweeps.
+PartOptions OptionsOf(const CompareRequest& request, const std::vector<std::string>& swept) {
+  std::vector<std::string> assignments = request.assignments;
+  assignments.insert(assignments.end(), swept.begin(), swept.end());
+  return LoadPartOptions(request.config, assignments);
+}
+
+bool Sweeps(const CompareRequest& request, const std::string& option) {
+  return std::ranges::find(request.sweeps, option, &Sweep::option) != request.sweeps.end();
 }
 
 // The true trajectory beside which the part is judged; empty where there is none.
@@ -101,35 +137,34 @@ std::string TruthOf(const PartRequest& part) {
   }
 }
 
+void SetSeed(int seed, PartOptions& options) {
+  options.mapping.random_seed = seed;
+  options.free_mapping.random_seed = seed;
+}
+
 // By each technique, with each setting, as often as chance has a say.
 std::vector<ComparisonRun> PlanRuns(const CompareRequest& request, const PartRequest& part) {
   const std::string part_name = NameAmong(request.out / "runs", part), truth = TruthOf(part);
   std::vector<ComparisonRun> runs;
   for (const Technique technique : request.techniques) {
-    for (const auto& setting : Settings(request.sweeps)) {
+    for (const auto& swept : Settings(request.sweeps)) {
+      ComparisonRun run{{.part = part_name, .technique = std::string(NameOf(technique))}, part};
+      run.request.technique = technique;
+      run.request.take_up_frames = false;  // a stage that is made takes the time that it takes
+      run.request.options = OptionsOf(request, swept);
+      if (!Sweeps(request, "gates.accuracy_pct")) {
+        run.request.options.gates.poses.accuracy_pct = part.options.gates.poses.accuracy_pct;
+      }
+      run.name.setting = SettingOf(run.request, SweptOptions(request.sweeps));
+      run.name.truth = truth;
+      const std::string label = LabelOf(run.name.technique, run.name.setting);
       const int repeats = HasChance(technique) ? request.repeats : 1;
       for (int repeat = 0; repeat < repeats; ++repeat) {
-        const std::string technique_name(NameOf(technique));
-        ComparisonRun run{
-            {part_name, technique_name, fmt::format("{}", fmt::join(setting, " ")), repeat}, part};
-        std::vector<std::string> assignments = request.assignments;
-        for (const char* seed : {"mapping.random_seed", "sfm.random_seed"}) {
-          if (repeat > 0) assignments.push_back(fmt::format("{}={}", seed, repeat));
-        }
-        assignments.insert(assignments.end(), setting.begin(), setting.end());
-        run.request.technique = technique;
-        run.request.take_up_frames = false;  // a stage that is made takes the time that it takes
-        run.request.options = LoadPartOptions(request.config, assignments);
-        if (!Names(setting, "gates.accuracy_pct")) {
-          run.request.options.gates.poses.accuracy_pct = part.options.gates.poses.accuracy_pct;
-        }
-        const std::string label = setting.empty()
-                                      ? technique_name
-                                      : fmt::format("{} {}", technique_name, run.name.setting);
+        run.name.repeat = repeat;
+        if (repeat > 0) SetSeed(repeat, run.request.options);
         run.name.run = fs::path("runs") / part_name / label / std::to_string(repeat);
-        run.name.truth = truth;
         run.request.out = request.out / run.name.run;
-        runs.push_back(std::move(run));
+        runs.push_back(run);
       }
     }
   }

@@ -126,6 +126,26 @@ PartOptions LoadPartOptions(const std::optional<std::filesystem::path>& config,
   return options;
 }
 
+std::vector<std::string> ListChangedOptions(PartOptions options,
+                                            const std::vector<std::string>& named) {
+  PartOptions defaults;
+  const auto sections = options.Sections(), default_sections = defaults.Sections();
+  std::vector<std::string> changed;
+  for (std::size_t i = 0; i < sections.size(); ++i) {
+    for (std::size_t k = 0; k < sections[i].fields.size(); ++k) {
+      const OptionField& field = sections[i].fields[k];
+      const std::string name = fmt::format("{}.{}", sections[i].name, field.name);
+      const std::string value = OptionValueText(field);
+      if (value == OptionValueText(default_sections[i].fields[k]) &&
+          std::ranges::find(named, name) == named.end()) {
+        continue;
+      }
+      changed.push_back(fmt::format("{}={}", name, value));
+    }
+  }
+  return changed;
+}
+
 std::string WritePartOptions(PartOptions options) {
   std::string text;
   for (const OptionSection& section : options.Sections()) {

@@ -76,6 +76,11 @@ struct PartOptions {
 PartOptions LoadPartOptions(const std::optional<std::filesystem::path>& config,
                             const std::vector<std::string>& assignments);
 
+// "stage.option=value" of each option that differs from its default or is among `named`
+// ("stage.option"), in the order of the file.
+std::vector<std::string> ListChangedOptions(PartOptions options,
+                                            const std::vector<std::string>& named = {});
+
 // YAML that LoadPartOptions reads back to the same options.
 std::string WritePartOptions(PartOptions options);
 

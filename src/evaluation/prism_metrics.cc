@@ -14,7 +14,11 @@ constexpr std::size_t kMinInside = 4;  // two numbers each, for the seven that a
 constexpr std::size_t kStride = 5;     // of the poses that lengths are measured over
 
 PrismFit Describe(const PrismFitter& fitter, const PrismParameters& x) {
-  PrismFit fit{.prism_in_body = x.segment<3>(3), .clock_offset_s = x(6), .scale = std::exp(x(7))};
+  PrismFit fit{.heading_rad = x(0),
+               .shift = x.segment<2>(1),
+               .prism_in_body = x.segment<3>(3),
+               .clock_offset_s = x(6),
+               .scale = std::exp(x(7))};
   double squares = 0.0;
   for (const Eigen::Vector3d& difference : fitter.Differences(x)) {
     if (difference.z() == 0.0) continue;

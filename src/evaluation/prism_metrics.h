@@ -31,6 +31,9 @@ std::vector<PrismPosition> ReadPrismFile(const std::filesystem::path& path);
 
 // A fit of the path of the prism on the body to the tracked one.
 struct PrismFit {
+  // track = turned by heading_rad (scale * prism seen from above) + shift.
+  double heading_rad = 0.0;
+  Eigen::Vector2d shift = Eigen::Vector2d::Zero();
   Eigen::Vector3d prism_in_body = Eigen::Vector3d::Zero();
   double clock_offset_s = 0.0;      // stamp by the total station's clock minus that of the poses
   double scale = 1.0;               // truth / estimate; 1 where it was held

@@ -97,6 +97,7 @@ std::string LegendOf(const PartContent& content, double times) {
   };
   const Json& reference = content.folder.reference;
   add(reference.contains("truth"), "truth", "true path");
+  add(reference.contains("prism"), "truth", "track of the prism");
   add(reference.contains("rtk"), "rtk", "RTK fixes");
   add(content.cloud && content.cloud->rocks && !content.cloud->rocks->empty(), "rock",
       "rocks of the map");
@@ -122,7 +123,7 @@ std::string RouteDrawing(const PartContent& content) {
   for (const TimedPose& pose : trajectory) {
     path.emplace_back(pose.world_from_left.translation.head<2>());
   }
-  const Points truth = Horizontal(At(reference, "/truth"));
+  const Points truth = Horizontal(At(reference, reference.contains("truth") ? "/truth" : "/prism"));
   const Points fixes = Horizontal(At(reference, "/rtk"));
   Eigen::Vector2d low = path.front(), high = path.front();
   for (const Points* points : std::initializer_list<const Points*>{&path, &truth, &fixes}) {

@@ -7,7 +7,9 @@
 
 #include "core/file.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/support/test_file.h"
 #include "tests/workflows/rigmap_program.h"
+#include "workflows/output_folder.h"
 
 namespace rigmap {
 namespace {
@@ -74,11 +76,49 @@ TEST_F(CompareTest, SetsTechniquesAndSettingsSideBySideAndGoesOnFromWhatIsThere)
     EXPECT_THAT(ReadTextFile(out_ / "plots" / (name + ".svg")), HasSubstr("</svg>")) << name;
   }
 
-  // Results that lie anywhere can be compared as well.
-  const fs::path run = out_ / "runs" / SimulatedPartFolder().filename() / "vo" / "0";
-  const ProgramEnd stored = RunRigmap({"compare", run, "--out", folder_.Path() / "stored"});
+  // Results that lie anywhere can be compared as well: of the same frames, by what differs.
+  const fs::path runs = out_ / "runs" / SimulatedPartFolder().filename();
+  fs::copy(runs / "vo" / "0", folder_.Path() / "other", fs::copy_options::recursive);
+  const ProgramEnd stored =
+      RunRigmap({"compare", runs / "vo" / "0", runs / "colmap mapping.method=seeded" / "0",
+                 folder_.Path() / "other", "--out", folder_.Path() / "stored"});
   ASSERT_EQ(stored.exit_code, 0) << stored.err;
-  EXPECT_THAT(stored.out, HasSubstr("vo"));
+  const json beside =
+      json::parse(ReadTextFile(folder_.Path() / "stored" / "comparison.json"))["rows"];
+  ASSERT_EQ(beside.size(), 3U);
+  EXPECT_EQ(beside[0]["technique"], "colmap");
+  EXPECT_EQ(beside[0]["part"], beside[1]["part"]);
+  EXPECT_EQ(beside[0]["setting"], "");
+  EXPECT_THAT(beside[1]["setting"].get<std::string>(), StartsWith("in "));
+  EXPECT_NE(beside[1]["setting"], beside[2]["setting"]);
+  EXPECT_EQ(beside[1]["ate_se3_pct"], beside[2]["ate_se3_pct"]);
+}
+
+TEST_F(CompareTest, KeepsApartWhatOptionsAndRigMakeDifferent) {
+  const fs::path config = folder_.Path() / "fine.yaml", rig = SimulatedPartFolder() / "calib.yaml";
+  WriteTestFile(config, "features:\n  min_uniqueness: 0.06\n");
+  const std::vector<std::vector<std::string>> calls{{},
+                                                    {"--set", "odometry.min_inliers=16"},
+                                                    {"--config", config},
+                                                    {"--rig", rig},
+                                                    {"--accuracy", "2"}};
+  for (std::vector<std::string> call : calls) {
+    call.insert(call.end(), {"--techniques", "wheels"});  // refused, as there are none
+    ASSERT_EQ(Compare(call).exit_code, 0);
+  }
+  std::vector<std::string> settings;
+  for (const json& row : Rows()) settings.push_back(row["setting"]);
+  EXPECT_THAT(settings,
+              testing::ElementsAre("", "features.min_uniqueness=0.06", "gates.accuracy_pct=2",
+                                   "odometry.min_inliers=16", StartsWith("rig=calib-")));
+}
+
+TEST_F(CompareTest, OnlyOneWorksInAFolder) {
+  const OutputLock lock(out_);
+  const ProgramEnd end = Compare({"--techniques", "wheels"});
+  EXPECT_EQ(end.exit_code, 1);
+  EXPECT_THAT(end.LastErrorLine(), HasSubstr("another rigmap is working in this folder"));
+  EXPECT_FALSE(fs::exists(out_ / "comparison.csv"));
 }
 
 TEST_F(CompareTest, DrivesOfTheSameNameStandBesideEachOther) {
@@ -154,6 +194,7 @@ TEST_F(CompareTest, KnowsBeforeTheFirstRunWhatCannotBe) {
       RunRigmap({"compare", "result", "--truth", folder_.Path(), "--out", out_});
   EXPECT_EQ(judged.exit_code, 2);
   EXPECT_THAT(judged.LastErrorLine(), HasSubstr("--truth: expected with --dataset alone"));
+  EXPECT_EQ(RunRigmap({"compare", "result", "--repeat", "3", "--out", out_}).exit_code, 2);
 }
 
 TEST_F(CompareTest, TakesAllPartsThatFit) {

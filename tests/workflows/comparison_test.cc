@@ -177,5 +177,17 @@ TEST(ParseSweepTest, TakesAnOptionWithItsValues) {
   }
 }
 
+TEST_F(Comparison, NamesSettingsByWhichNoFigureDiffers) {
+  const auto row = [](const std::string& setting, double ate, double seconds) {
+    return ComparisonRow{{"part", "1"},      {"technique", "icp"}, {"setting", setting},
+                         {"repeat", 0},      {"run", setting},     {"status", "ok"},
+                         {"ate_se3_m", ate}, {"seconds", seconds}, {"peak_rss_mb", seconds}};
+  };
+  EXPECT_THAT(
+      SettingsWithoutEffect({row("", 1.0, 5.0), row("a.b=1", 1.0, 6.0), row("a.b=2", 2.0, 5.0)}),
+      ElementsAre("1, icp: no figure differs between '', 'a.b=1'"));
+  EXPECT_TRUE(SettingsWithoutEffect({row("", 1.0, 5.0), row("a.b=1", 1.5, 5.0)}).empty());
+}
+
 }  // namespace
 }  // namespace rigmap

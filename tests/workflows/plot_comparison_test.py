@@ -59,6 +59,27 @@ class PlotComparison(unittest.TestCase):
         for ours, other in zip(*ends):
             self.assertAlmostEqual(float(ours), float(other), delta=1.0)
 
+    def test_the_track_of_a_prism_is_drawn_from_above_alone(self):
+        self.run_of('a', False)
+        reference = json.loads((self.root / 'a' / 'reference.json').read_text())
+        (self.root / 'a' / 'reference.json').write_text(json.dumps({'prism': reference['rtk']}))
+        plots = self.plotted('part,technique,setting,repeat,run,truth,judged_by,status\n'
+                             '1,vo,,0,a,prism.txt,"prism, horizontal",ok\n')
+        self.assertIn('<!-- track of the prism -->', plots['1-routes.svg'])
+        self.assertIn('horizontal distance from the prism', plots['1-errors.svg'])
+        # From above and in the legend, not from the side.
+        self.assertEqual(len(re.findall('stroke-opacity: 0.35', plots['1-routes.svg'])), 2)
+
+    def test_a_path_that_the_results_know_stands_for_the_true_one(self):
+        for name in ('a', 'b'):
+            self.run_of(name, name == 'b')
+            path = self.root / name / 'reference.json'
+            path.write_text(json.dumps({'truth': json.loads(path.read_text())['rtk']}))
+        plots = self.plotted('part,technique,setting,repeat,run,truth,status\n'
+                             '1,vo,,0,a,,ok\n1,rig,,0,b,,ok\n')
+        self.assertIn('<!-- true -->', plots['1-routes.svg'])
+        self.assertIn('error of the position', plots['1-errors.svg'])
+
     def test_more_ways_than_colours_differ_in_their_lines(self):
         for i in range(12):
             self.run_of(f'r{i}', False)
