@@ -26,7 +26,7 @@ int SideOfBlocks(const DepthMap& map) { return (map.disparity.cols + kColumns - 
 // thirds of the light makes 1.6. Lenses shade the edges of images by up to a quarter.
 const float kLogShade = std::log(1.3F);
 const float kLogEdge = std::log(1.1F);  // of what lies beside a shade
-constexpr int kShadeBlocks = 5;         // what is smaller either way is an edge seen from elsewhere
+constexpr int kShadeBlocks = 5;         // what is smaller by itself is an edge seen from elsewhere
 constexpr int kEdgeBlocks = 7;          // a shade and its edges, twice three and one
 
 // Of what the light makes of a spot most comes at once, when the shadow's edge passes. The rest may
@@ -134,14 +134,36 @@ float MedianGrey(const DepthMap& blocks) {
   return greys.empty() ? 0.0F : static_cast<float>(Median(std::move(greys)));
 }
 
+// Of a mask what hangs together, at corners, too, with a part of it.
+cv::Mat ConnectedWith(const cv::Mat& part, const cv::Mat& mask) {
+  cv::Mat labels;
+  const int count = cv::connectedComponents(mask, labels, 8, CV_32S);
+  std::vector<char> is_kept(static_cast<std::size_t>(count), 0);
+  for (int row = 0; row < mask.rows; ++row) {
+    for (int column = 0; column < mask.cols; ++column) {
+      if (part.at<uchar>(row, column)) is_kept.at(labels.at<int>(row, column)) = 1;
+    }
+  }
+  is_kept.front() = 0;  // what is not in the mask
+  cv::Mat kept(mask.size(), CV_8UC1);
+  for (int row = 0; row < mask.rows; ++row) {
+    for (int column = 0; column < mask.cols; ++column) {
+      kept.at<uchar>(row, column) = is_kept[labels.at<int>(row, column)] ? 255 : 0;
+    }
+  }
+  return kept;
+}
+
 cv::Mat Ones(int blocks) { return cv::Mat::ones(blocks, blocks, CV_8UC1); }
 
-// Blocks in a shade, 255; `log_light` by block.
+// Blocks in a shade, 255; `log_light` by block. With a wide one goes what is thin and hangs
+// together with it, as a mast's shadow with that of the rover.
 cv::Mat ShadeOf(const cv::Mat& log_light) {
-  cv::Mat mean, shade, around;
+  cv::Mat mean, wide, around;
   cv::transform(log_light, mean, cv::Matx13f(1.0F / 3.0F, 1.0F / 3.0F, 1.0F / 3.0F));
-  cv::morphologyEx(mean >= kLogShade, shade, cv::MORPH_OPEN, Ones(kShadeBlocks));
-  cv::dilate(shade, around, Ones(kEdgeBlocks));
+  const cv::Mat dark = mean >= kLogShade;
+  cv::morphologyEx(dark, wide, cv::MORPH_OPEN, Ones(kShadeBlocks));
+  cv::dilate(ConnectedWith(wide, dark), around, Ones(kEdgeBlocks));
   return around & (mean >= kLogEdge);
 }
 

@@ -54,6 +54,26 @@ TEST_F(PastLightOverGround, TakesTheRoversShadowAway) {
   EXPECT_EQ(GreyAt(view.map.colour, 160, 200), kShaded);  // which is of the cache
 }
 
+TEST_F(PastLightOverGround, TakesAThinShadowAwayThatHangsTogetherWithAWideOne) {
+  const cv::Rect mast(156, 140, 6, 40), stick(60, 140, 6, 40);  // that begins where the body ends
+  const auto darken = [&](DepthView& view) {
+    ShadowIn(view) = cv::Scalar::all(kShaded);
+    for (const cv::Rect& thin : {mast, stick}) view.map.colour(thin) = cv::Scalar::all(kShaded);
+  };
+  for (int frame = 0; frame < 30; ++frame) {
+    DepthView view = ViewOf(frame);
+    darken(view);
+    past_light_.Lit(view, 1.0);
+  }
+  DepthView view = ViewOf(30);
+  darken(view);
+  const cv::Mat lit = past_light_.Lit(view, 1.0);
+  for (const int row : {150, 160, 170}) {
+    EXPECT_NEAR(GreyAt(lit, 159, row), kLit, 8) << row;
+    EXPECT_EQ(GreyAt(lit, 63, row), kShaded) << row;
+  }
+}
+
 TEST_F(PastLightOverGround, KeepsThePatternOfTheGround) {
   for (int frame = 0; frame < 30; ++frame) past_light_.Lit(ViewOf(frame), 1.0);
   DepthView view = ViewOf(30);
