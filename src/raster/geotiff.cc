@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <gdal_priv.h>
 #include <ogr_spatialref.h>
+#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <array>
@@ -213,6 +214,9 @@ void MapFile::SaveCloudOptimised(const std::filesystem::path& path) {
   options.SetNameValue("OVERVIEWS", "IGNORE_EXISTING");
   options.SetNameValue("SPARSE_OK", "YES");
   options.SetNameValue("BIGTIFF", "IF_SAFER");
+  // For what is compressed; the bytes do not depend on it.
+  options.SetNameValue("NUM_THREADS",
+                       std::to_string(tbb::this_task_arena::max_concurrency()).c_str());
   CPLErrorReset();
   dataset_->FlushCache(false);
   Require(CPLGetLastErrorType() < CE_Failure, path_);
