@@ -38,6 +38,15 @@ std::optional<fs::path> FindDonor(const ComparisonRun& run) {
   return donor;
 }
 
+// Files of stages are replaced whole and never changed, so that results can share them.
+void ShareStages(const fs::path& from, const fs::path& to) {
+  std::error_code code;
+  fs::copy(from, to, fs::copy_options::recursive | fs::copy_options::create_hard_links, code);
+  if (!code) return;
+  fs::remove_all(to);  // where the file system cannot
+  fs::copy(from, to, fs::copy_options::recursive);
+}
+
 // What another run of the part has found need not be found again: a new run begins with its stages,
 // and takes up those that hold for it, with the time that they took when they were made.
 void BeginWithStagesOf(const fs::path& donor, const fs::path& out) {
@@ -45,9 +54,10 @@ void BeginWithStagesOf(const fs::path& donor, const fs::path& out) {
   fs::remove_all(whole);
   fs::create_directories(whole);
   constexpr auto kCopy = fs::copy_options::recursive | fs::copy_options::copy_symlinks;
-  for (const char* name : {".dataset", "stages", "colmap"}) {
+  for (const char* name : {".dataset", "colmap"}) {
     if (fs::exists(donor / name)) fs::copy(donor / name, whole / name, kCopy);
   }
+  if (fs::exists(donor / "stages")) ShareStages(donor / "stages", whole / "stages");
   fs::rename(whole, out);
 }
 

@@ -67,6 +67,12 @@ TEST_F(CompareTest, SetsTechniquesAndSettingsSideBySideAndGoesOnFromWhatIsThere)
   EXPECT_THAT(both.out, HasSubstr("0/0/1"));
   EXPECT_TRUE(fs::exists(out_ / "comparison.csv"));
 
+  const fs::path features =
+      out_ / "runs" / SimulatedPartFolder().filename() / "vo" / "0" / "stages" / "features";
+  for (const auto& entry : fs::directory_iterator(features)) {
+    EXPECT_GT(fs::hard_link_count(entry.path()), 1U) << entry.path();  // kept once for all runs
+  }
+
   // Pictures of what there is; a run that failed has none.
   const ProgramEnd plots = RunProgram(kPython, {RIGMAP_DOCS "/../tools/plot-comparison", out_});
   EXPECT_EQ(plots.exit_code, 0) << plots.err;
