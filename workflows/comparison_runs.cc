@@ -137,9 +137,10 @@ std::string TruthOf(const PartRequest& part) {
   }
 }
 
-void SetSeed(int seed, PartOptions& options) {
-  options.mapping.random_seed = seed;
-  options.free_mapping.random_seed = seed;
+// Of a repeat: those that the options name belong to the first run.
+void TakeNextSeeds(PartOptions& options) {
+  ++options.mapping.random_seed;
+  ++options.free_mapping.random_seed;
 }
 
 // By each technique, with each setting, as often as chance has a say.
@@ -161,7 +162,7 @@ std::vector<ComparisonRun> PlanRuns(const CompareRequest& request, const PartReq
       const int repeats = HasChance(technique) ? request.repeats : 1;
       for (int repeat = 0; repeat < repeats; ++repeat) {
         run.name.repeat = repeat;
-        if (repeat > 0) SetSeed(repeat, run.request.options);
+        if (repeat > 0) TakeNextSeeds(run.request.options);
         run.name.run = fs::path("runs") / part_name / label / std::to_string(repeat);
         run.request.out = request.out / run.name.run;
         runs.push_back(run);

@@ -9,6 +9,7 @@
 #include "tests/support/temporary_folder.h"
 #include "tests/support/test_file.h"
 #include "tests/workflows/rigmap_program.h"
+#include "workflows/comparison_runs.h"
 #include "workflows/output_folder.h"
 
 namespace rigmap {
@@ -117,6 +118,19 @@ TEST_F(CompareTest, KeepsApartWhatOptionsAndRigMakeDifferent) {
   EXPECT_THAT(settings,
               testing::ElementsAre("", "features.min_uniqueness=0.06", "gates.accuracy_pct=2",
                                    "odometry.min_inliers=16", StartsWith("rig=calib-")));
+}
+
+TEST_F(CompareTest, RepeatsGoOnFromTheSeedThatIsAskedFor) {
+  CompareRequest request{.out = out_, .part = PartRequest{}};
+  request.part->dataset.folder = SimulatedPartFolder();
+  request.techniques = {Technique::kColmap};
+  request.repeats = 2;
+  request.sweeps = {ParseSweep("mapping.random_seed=0,7")};
+  std::vector<int> seeds;
+  for (const ComparisonRun& run : PlanComparison(request)) {
+    seeds.push_back(run.request.options.mapping.random_seed);
+  }
+  EXPECT_THAT(seeds, testing::ElementsAre(0, 1, 7, 8));
 }
 
 TEST_F(CompareTest, OnlyOneWorksInAFolder) {
