@@ -5,6 +5,8 @@
 #include <map>
 #include <vector>
 
+#include "core/statistics.h"
+#include "geometry/triangulation.h"
 #include "scale/baseline_scale.h"
 
 namespace rigmap {
@@ -51,6 +53,35 @@ Rigid3 LeftOf(const Eyes& eyes, const StereoRig& rig, double metres_per_unit) {
   return {rotation, midpoint - rotation * midpoint_in_left};
 }
 
+// Where one frame sees a point.
+struct StereoSighting {
+  const Eigen::Vector2d* left = nullptr;
+  const Eigen::Vector2d* right = nullptr;
+};
+
+std::map<int, StereoSighting> SightingsOf(const SparsePoint& point,
+                                          const std::map<ImageRef, const SparseImage*>& images) {
+  std::map<int, StereoSighting> frames;
+  for (const TrackElement& element : point.track) {
+    const auto image = images.find(element.image);
+    if (image == images.end()) continue;
+    StereoSighting& seen = frames[element.image.frame];
+    (element.image.eye == Eye::kLeft ? seen.left : seen.right) =
+        &image->second->keypoints.at(element.keypoint).pixel;
+  }
+  std::erase_if(frames,
+                [](const auto& frame) { return !frame.second.left || !frame.second.right; });
+  return frames;
+}
+
+std::optional<double> RigDepth(const StereoSighting& seen, const StereoRig& rig) {
+  const auto left = Undistort(rig.left.camera, *seen.left);
+  const auto right = Undistort(rig.right.camera, *seen.right);
+  if (!left || !right) return std::nullopt;
+  const auto x_in_left = TriangulateStereo(rig.right_from_left, *left, *right);
+  return x_in_left ? std::optional(x_in_left->z()) : std::nullopt;
+}
+
 }  // namespace
 
 AlignedKeyframes PoseFreeCameras(const std::vector<SparseModel>& models, int frame_count,
@@ -86,6 +117,30 @@ double FocalLengthChange(const SparseModel& model, const StereoRig& rig) {
     }
   }
   return change;
+}
+
+std::optional<double> DepthChange(const SparseModel& model, double metres_per_model_unit,
+                                  const StereoRig& rig) {
+  std::map<ImageRef, const SparseImage*> images;
+  for (const SparseImage& image : model.images) images.emplace(image.ref, &image);
+  std::map<int, std::vector<double>> changes;
+  for (const SparsePoint& point : model.points) {
+    for (const auto& [frame, seen] : SightingsOf(point, images)) {
+      const auto by_rig_m = RigDepth(seen, rig);
+      if (!by_rig_m) continue;
+      const Rigid3& left_from_model = images.at({frame, Eye::kLeft})->camera_from_model;
+      const double by_model_m = metres_per_model_unit * (left_from_model * point.x_in_model).z();
+      changes[frame].push_back(by_model_m / *by_rig_m - 1.0);
+    }
+  }
+  std::erase_if(changes, [](const auto& frame) { return frame.second.size() < kLeastPoints; });
+  if (changes.empty()) return std::nullopt;
+  double squares = 0.0;
+  for (auto& [frame, of_points] : changes) {
+    const double median = Median(std::move(of_points));
+    squares += median * median;
+  }
+  return std::sqrt(squares / static_cast<double>(changes.size()));
 }
 
 }  // namespace rigmap

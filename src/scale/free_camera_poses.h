@@ -25,4 +25,13 @@ AlignedKeyframes PoseFreeCameras(const std::vector<SparseModel>& models, int fra
 // tells. 0 where the model has no cameras.
 double FocalLengthChange(const SparseModel& model, const StereoRig& rig);
 
+// By what share depths that the left camera of a model sees, in metres by `metres_per_model_unit`,
+// differ from those that the rig file makes of the same two pixels: of the median of each frame the
+// root mean square over frames. Free cameras turn against each other from frame to frame, by which
+// the same left-right distance means other metres. Nothing where no frame has kLeastPoints such
+// points.
+inline constexpr std::size_t kLeastPoints = 10;
+std::optional<double> DepthChange(const SparseModel& model, double metres_per_model_unit,
+                                  const StereoRig& rig);
+
 }  // namespace rigmap

@@ -74,6 +74,34 @@ TEST_F(FreeCameraPoses, TellHowFarFocalLengthsWereChanged) {
   EXPECT_NEAR(FocalLengthChange(model_, rover_.rig), 1.0, 1e-9);
 }
 
+// Points before frame 0 as both of its eyes see them.
+void AddPoints(const StereoRig& rig, const Rigid3& model_from_left, double metres_per_model_unit,
+               SparseModel& model) {
+  for (int i = 0; i < 20; ++i) {
+    const Eigen::Vector3d x(0.1 * (i % 5) - 0.2, 0.1 * (i % 3), 1.5 + 0.1 * i);
+    SparsePoint point{.x_in_model = model_from_left * (x / metres_per_model_unit)};
+    for (const Eye eye : kEyes) {
+      SparseImage& image = model.images[eye == Eye::kLeft ? 0 : 1];
+      const Eigen::Vector3d seen = eye == Eye::kLeft ? x : rig.right_from_left * x;
+      point.track.push_back({image.ref, static_cast<std::uint32_t>(image.keypoints.size())});
+      image.keypoints.push_back({.pixel = Distort(rig.Of(eye).camera, seen.hnormalized())});
+    }
+    model.points.push_back(point);
+  }
+}
+
+TEST_F(FreeCameraPoses, TellHowFarDepthsDifferFromTheRigs) {
+  EXPECT_FALSE(DepthChange(model_, 4.0, rover_.rig));
+  const Rigid3 model_from_left = model_.images[0].camera_from_model.Inverse();
+  AddPoints(rover_.rig, model_from_left, 4.0, model_);
+  ASSERT_TRUE(DepthChange(model_, 4.0, rover_.rig));
+  EXPECT_NEAR(*DepthChange(model_, 4.0, rover_.rig), 0.0, 1e-6);
+  // The same left-right distance, but another scale.
+  EXPECT_NEAR(*DepthChange(model_, 4.4, rover_.rig), 0.1, 1e-6);
+  for (SparsePoint& point : model_.points) point.track.pop_back();
+  EXPECT_FALSE(DepthChange(model_, 4.0, rover_.rig));
+}
+
 TEST_F(FreeCameraPoses, AreNoneWithoutAStereoPair) {
   model_.images.resize(1);
   const AlignedKeyframes found = Pose();

@@ -133,19 +133,23 @@ Report JudgeFreeCameras(const Dataset& dataset, const MappingResult& mapped,
   constexpr double kFirstOrder = 0.5;
   GateInputs inputs{dataset.rig, part.odometry, part.adjustment, part.trajectory, &aligned};
   inputs.positions_known = part.KnowsPositions();
-  double change = 0.0;
-  for (const AlignedModel& model : aligned.models) {
-    change = std::max(
-        change,
-        FocalLengthChange(mapped.models[static_cast<std::size_t>(model.model)], dataset.rig));
+  double focal = 0.0, depth = 0.0;
+  for (const AlignedModel& laid : aligned.models) {
+    const SparseModel& model = mapped.models[static_cast<std::size_t>(laid.model)];
+    focal = std::max(focal, FocalLengthChange(model, dataset.rig));
+    depth = std::max(depth, DepthChange(model, laid.scale.metres_per_model_unit, dataset.rig)
+                                .value_or(std::numeric_limits<double>::infinity()));
   }
+  const double change = std::max(focal, depth);
   inputs.calibration_scale_sigma = change < kFirstOrder
                                        ? std::hypot(change, UncheckedFocalSigma(dataset.rig, prior))
                                        : std::numeric_limits<double>::infinity();
   Report report = ReportPart(inputs, {mapping, poses, adjustment, calibration, {}, {}});
-  report["verdict"]["text"] =
-      report["verdict"]["text"].get<std::string>() +
-      fmt::format("; COLMAP's focal lengths are up to {:.2g} % off the rig file's", 100.0 * change);
+  std::string text = report["verdict"]["text"];
+  text +=
+      fmt::format("; COLMAP's focal lengths are up to {:.2g} % off the rig file's", 100.0 * focal);
+  if (std::isfinite(depth)) text += fmt::format(", its depths {:.2g} %", 100.0 * depth);
+  report["verdict"]["text"] = text;
   return report;
 }
 
