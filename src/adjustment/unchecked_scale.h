@@ -1,19 +1,22 @@
 // How well the metres of a part are known whose images do not check the calibration.
 #pragma once
 
-#include <vector>
-
 #include "adjustment/adjustment_options.h"
+#include "scene/odometry.h"
 #include "scene/rig.h"
 
 namespace rigmap {
 
-// Relative sigma of all lengths that the prior of the calibration leaves: an offset of all
-// disparities, over the disparity of the middle of what is seen, and the common focal length, which
-// scales all depths. `depths_m` of stereo points; zero without any. What an adjustment would find
-// out of the calibration is not counted.
-double UncheckedScaleSigma(const StereoRig& rig, std::vector<double> depths_m,
-                           const AdjustmentOptions& options);
+// Of a path whose steps from keyframe to keyframe were posed with a rig file as it is.
+struct UncheckedScale {
+  // Relative, of all lengths: by an offset of all disparities, through what that does to the steps,
+  // and by the common focal length, which scales all depths. The offset is off by what the prior of
+  // the calibration leaves of it and by what the steps ask for, since nothing was corrected.
+  double sigma = 0.0;
+  double asked_offset_px = 0.0;  // the most probable one, by the steps' residuals and the prior
+};
+UncheckedScale UncheckedScaleOf(const StereoRig& rig, const Odometry& motion,
+                                const AdjustmentOptions& options);
 
 // What of it remains where each image was posed for itself: the common focal length. Lengths
 // between the eyes grow with it and lengths along the view do not, so that the metres of a way

@@ -26,6 +26,11 @@ Eigen::Matrix<double, 2, 3> ProjectionJacobian(const Eigen::Vector3d& x) {
   return j;
 }
 
+double HuberWeight(double squared_sigmas) {
+  constexpr double kSigmas = 1.5;
+  return std::min(1.0, kSigmas / std::sqrt(std::max(squared_sigmas, 1e-12)));
+}
+
 class PoseProblem {
  public:
   PoseProblem(std::span<const PointSighting> sightings, const StereoRig& rig,
@@ -100,6 +105,35 @@ class PoseProblem {
     return cost;
   }
 
+  // Depths of the reference's points and the right eye's sightings answer to an offset together.
+  OffsetEffect OffsetOf(const Rigid3& motion) const {
+    Matrix6d normal = Matrix6d::Zero();
+    Vector6d mixed = Vector6d::Zero(), gradient = Vector6d::Zero();
+    double own = 0.0, along = 0.0;
+    for (const auto& sighting : sightings_) {
+      const auto at = Linearise(sighting, motion);
+      if (!at) continue;
+      const Eigen::Matrix4d information = Information(*at);
+      const double squared =
+          at->residual.dot(information * at->residual) / (sighting.right ? 2.0 : 1.0);
+      if (squared > MaxSquared()) continue;
+      const double weight = HuberWeight(squared);
+      const Vector4 response = OffsetResponse(sighting, motion);
+      normal += weight * at->jacobian.transpose() * information * at->jacobian;
+      mixed += weight * at->jacobian.transpose() * information * response;
+      gradient += weight * at->jacobian.transpose() * information * at->residual;
+      own += weight * response.dot(information * response);
+      along += weight * response.dot(information * at->residual);
+    }
+    const Eigen::LDLT<Matrix6d> solver(normal);
+    const Vector6d following = -solver.solve(mixed);
+    const double length_m = motion.translation.norm();
+    return {.lengthening_m_per_px =
+                length_m > 0.0 ? motion.translation.dot(following.head<3>()) / length_m : 0.0,
+            .score = -(along + following.dot(gradient)),
+            .information = own + following.dot(mixed)};
+  }
+
   // One iteratively reweighted Gauss-Newton step over sightings within the gate, with Huber
   // weights; returns the normal matrix, or nothing if it is singular.
   std::optional<Matrix6d> Step(double gate_squared, Rigid3& motion) const {
@@ -112,8 +146,7 @@ class PoseProblem {
       const double squared =
           at->residual.dot(information * at->residual) / (sighting.right ? 2.0 : 1.0);
       if (squared > gate_squared) continue;
-      constexpr double kHuberSigmas = 1.5;
-      const double weight = std::min(1.0, kHuberSigmas / std::sqrt(std::max(squared, 1e-12)));
+      const double weight = HuberWeight(squared);
       normal += weight * at->jacobian.transpose() * information * at->jacobian;
       gradient += weight * at->jacobian.transpose() * information * at->residual;
     }
@@ -136,7 +169,9 @@ class PoseProblem {
   }
 
   StereoPose Judge(const Rigid3& motion, const Matrix6d& normal) const {
-    StereoPose result{.current_from_reference = motion, .covariance = normal.inverse()};
+    StereoPose result{.current_from_reference = motion,
+                      .covariance = normal.inverse(),
+                      .offset = OffsetOf(motion)};
     for (const auto& sighting : sightings_) {
       const bool inlier = SquaredSigmas(sighting, motion) <= MaxSquared();
       result.inliers.push_back(inlier);
@@ -146,6 +181,22 @@ class PoseProblem {
   }
 
  private:
+  // Of the residual, if a pixel of offset were taken from both frames' disparities.
+  Vector4 OffsetResponse(const PointSighting& sighting, const Rigid3& motion) const {
+    const double radians = 1.0 / rig_.left.camera.MeanFocal();
+    const Eigen::Vector3d in_left = motion * sighting.x_in_reference;
+    const Eigen::Vector3d farther = motion.rotation * sighting.x_in_reference *
+                                    (sighting.x_in_reference.z() * radians / rig_.Baseline());
+    Vector4 response = Vector4::Zero();
+    response.head<2>() = ProjectionJacobian(in_left) * farther;
+    if (sighting.right) {
+      const Eigen::Vector3d in_right = rig_.right_from_left * in_left;
+      response.tail<2>() = ProjectionJacobian(in_right) * (right_turn_ * farther) +
+                           radians * rig_.right_from_left.translation.head<2>().normalized();
+    }
+    return response;
+  }
+
   // `turn` is that of `motion`. Where only the depth is shared, without the matrices of Linearise
   // and Information: samples by the hundred ask for nothing else.
   double SquaredSigmas(const PointSighting& sighting, const Rigid3& motion,

@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "scene/offset_effect.h"
 #include "scene/rig.h"
 #include "scene/trajectory.h"
 
@@ -34,6 +35,7 @@ struct StereoPose {
   Matrix6d covariance = Matrix6d::Zero();  // of a left perturbation (translation m, rotation rad)
   std::vector<bool> inliers;               // counted on this very pose, one per sighting
   int inlier_count = 0;
+  OffsetEffect offset;
 };
 
 // RANSAC over three-point poses and the given guesses, then a robust least-squares refinement in

@@ -29,6 +29,7 @@ struct GateInputs {
   // Relative, of all lengths, by what the calibration leaves unknown, where covariances do not hold
   // it.
   double calibration_scale_sigma = 0.0;
+  double asked_offset_px = 0.0;  // of all disparities, by images that corrected none
 };
 
 // The gates on what COLMAP made: baseline_spread, baseline_rejected, registered.

@@ -39,7 +39,8 @@ std::optional<Found> Solve(const Reference& reference, const FrameFeatures& curr
                pose->inlier_count,
                static_cast<int>(seen.sightings.size()),
                MedianShift(reference, current, agreeing),
-               MetresSigma(reference.points, agreeing)};
+               MetresSigma(reference.points, agreeing),
+               pose->offset};
 }
 
 Vector6d MotionOf(const Found& found) {
@@ -91,6 +92,7 @@ void SetPose(const Found& found, int reference, const Rigid3& world_from_referen
   frame.reference = reference;
   frame.source = PoseSource::kOdometry;
   frame.inliers = found.inliers;
+  frame.offset = found.offset;
   frame.step_covariance = options.shared_noise * options.shared_noise * found.covariance;
   frame.stands_still = StandsStill(found, options);
   const Eigen::Vector3d unsure = found.metres_sigma * found.current_from_reference.translation;

@@ -71,10 +71,11 @@ struct PlaneEquations {
   static constexpr double kClusterGrids = 10.0;
 
   Matrix6d information = Matrix6d::Zero();
+  Vector6d farther = Vector6d::Zero();  // of the score, if points were farther (CloudAlignment)
   std::map<std::array<int, 3>, Vector6d> scores;  // by cubes of kClusterGrids boxes
   double squares_m2 = 0.0;
 
-  void Add(const Counterpart& pair, double grid_m) {
+  void Add(const Counterpart& pair, const Rigid3& target_from_source, double grid_m) {
     const double residual_m = pair.other_normal.dot(pair.x - pair.other);
     const Vector6d by_target = DistanceDerivative(pair.x, pair.other_normal);
     const Vector6d by_source = DistanceDerivative(pair.x, pair.normal);
@@ -84,6 +85,10 @@ struct PlaneEquations {
     scores.try_emplace({cube[0], cube[1], cube[2]}, Vector6d::Zero()).first->second +=
         pair.weight * residual_m * by_target;
     squares_m2 += residual_m * residual_m;
+    const Eigen::Vector3d ray = pair.x - target_from_source.translation;
+    const double depth_m = (target_from_source.rotation.inverse() * ray).z();
+    farther += pair.weight * pair.other_normal.dot(depth_m * ray - pair.other.z() * pair.other) *
+               by_target;
   }
 
   Matrix6d Scatter() const {
@@ -112,7 +117,8 @@ void Judge(const PclCloud& source, const PclCloud::Ptr& target, double grid_m,
       static_cast<double>(pairs.size()) / std::max(1.0, static_cast<double>(source.size()));
   Reject(options, pairs);
   PlaneEquations equations;
-  for (const Counterpart& pair : pairs) equations.Add(pair, grid_m);
+  const Rigid3& found = alignment.target_from_source;
+  for (const Counterpart& pair : pairs) equations.Add(pair, found, grid_m);
   alignment.rms_m =
       std::sqrt(equations.squares_m2 / std::max(1.0, static_cast<double>(pairs.size())));
   const Eigen::SelfAdjointEigenSolver<Matrix6d> eigen(equations.information);
@@ -120,6 +126,11 @@ void Judge(const PclCloud& source, const PclCloud::Ptr& target, double grid_m,
   if (!alignment.held) return;
   const Matrix6d inverse = equations.information.inverse();
   alignment.covariance = inverse * equations.Scatter() * inverse;
+  const double length_m = found.translation.norm();
+  if (length_m > 0.0) {
+    const Vector6d following = -inverse * equations.farther;
+    alignment.lengthening_m = found.translation.dot(following.head<3>()) / length_m;
+  }
 }
 
 }  // namespace rigmap

@@ -22,8 +22,12 @@ struct PosedCloud {
 
 class Chain {
  public:
-  Chain(const Odometry& odometry, double grid_m, const RegistrationOptions& options)
-      : odometry_(odometry), grid_m_(grid_m), options_(options) {}
+  Chain(const Odometry& odometry, const StereoRig& rig, double grid_m,
+        const RegistrationOptions& options)
+      : odometry_(odometry),
+        metres_px_(rig.left.camera.MeanFocal() * rig.Baseline()),
+        grid_m_(grid_m),
+        options_(options) {}
 
   void Add(int frame, FrameCloud cloud) {
     OdometryFrame entry{.stamp_ns = odometry_[frame].stamp_ns};
@@ -111,6 +115,9 @@ class Chain {
     entry.keyframe =
         options_.keyframe_overlap == 1.0 || aligned.overlap < options_.keyframe_overlap;
     entry.step_covariance = CovarianceInSource(aligned);
+    // What the images say of an offset they say of the clouds' depths, too.
+    entry.offset = odometry_[frame].offset;
+    entry.offset.lengthening_m_per_px = aligned.lengthening_m / metres_px_;
   }
 
   // Of source_from_target, the inverse of what was found, as a left perturbation.
@@ -142,6 +149,7 @@ class Chain {
   }
 
   const Odometry& odometry_;
+  double metres_px_;  // depth times disparity
   double grid_m_;
   const RegistrationOptions& options_;
   std::deque<PosedCloud> map_;     // keyframes
@@ -163,12 +171,13 @@ void SetGuessedCovariances(const UnmeasuredMotion& unmeasured, Registration& reg
 
 }  // namespace
 
-Registration RegisterFrames(const CloudSource& clouds, const Odometry& odometry, double grid_m,
-                            const RegistrationOptions& asked, const UnmeasuredMotion& unmeasured) {
+Registration RegisterFrames(const CloudSource& clouds, const Odometry& odometry,
+                            const StereoRig& rig, double grid_m, const RegistrationOptions& asked,
+                            const UnmeasuredMotion& unmeasured) {
   RequireValid(asked);
   pcl::console::setVerbosityLevel(pcl::console::L_ALWAYS);  // its messages are for its users
   const RegistrationOptions options = Resolved(asked);
-  Chain chain(odometry, grid_m, options);
+  Chain chain(odometry, rig, grid_m, options);
   for (std::size_t i = 0; i < odometry.size(); ++i) {
     chain.Add(static_cast<int>(i), clouds(static_cast<int>(i)));
   }

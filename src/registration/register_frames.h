@@ -8,6 +8,7 @@
 #include "registration/registration.h"
 #include "registration/registration_options.h"
 #include "scene/odometry.h"
+#include "scene/rig.h"
 #include "trajectory/motion_model.h"
 
 namespace rigmap {
@@ -21,7 +22,9 @@ using CloudSource = std::function<FrameCloud(int frame)>;
 // frame. Frames that cannot be registered are predicted; the plain way chains also
 // those that no surface holds, with the sigmas of a prediction. Holds the clouds of the keyframes
 // and of two frames more. Runs in one thread: the order of frames is what makes a chain.
-Registration RegisterFrames(const CloudSource& clouds, const Odometry& odometry, double grid_m,
-                            const RegistrationOptions& options, const UnmeasuredMotion& unmeasured);
+// `rig`: by which the clouds were made, for what an offset of its disparities does to them.
+Registration RegisterFrames(const CloudSource& clouds, const Odometry& odometry,
+                            const StereoRig& rig, double grid_m, const RegistrationOptions& options,
+                            const UnmeasuredMotion& unmeasured);
 
 }  // namespace rigmap

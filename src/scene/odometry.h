@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include "scene/offset_effect.h"
 #include "scene/trajectory.h"
 
 namespace rigmap {
@@ -22,11 +23,12 @@ struct OdometryFrame {
   bool stands_still = false;  // no motion against its reference
   bool bridged = false;       // posed against it by the rover's sensors, not by images
   int inliers = 0;
+  OffsetEffect offset;  // on left_from_reference's motion; none where no points say it
 
   template <class Archive>
   void serialize(Archive& archive) {
     archive(stamp_ns, world_from_left, reference, step_covariance, source, keyframe, stands_still,
-            bridged, inliers);
+            bridged, inliers, offset);
   }
 };
 

@@ -206,6 +206,45 @@ TEST(EstimateStereoPose, NoiseThatBothEyesShareIsCounted) {
   EXPECT_NEAR(squares, 6.0, 0.3 * 6.0);
 }
 
+// As a rig sees it whose disparities are all off by so much, to first order.
+void Offset(double offset_px, const StereoRig& rig, PointSighting& sighting) {
+  const double focal = rig.left.camera.MeanFocal();
+  const double z_m = sighting.x_in_reference.z();
+  sighting.x_in_reference *= 1.0 - offset_px * z_m / (focal * rig.Baseline());
+  if (sighting.right) {
+    *sighting.right += offset_px / focal * rig.right_from_left.translation.head<2>().normalized();
+  }
+}
+
+TEST(EstimateStereoPose, SaysWhatAnOffsetOfDisparitiesDoes) {
+  SeededRandom random;
+  const StereoRig rig = LocCamRig();
+  constexpr double kOffset_px = 0.1;
+  for (const double nearest_m : {1.0, 3.0}) {
+    const Rigid3 truth = RoverStep(random);
+    const Setting setting{.count = 400,
+                          .noise_px = 0.05,
+                          .disparity_noise_px = 0.05,
+                          .nearest_m = nearest_m,
+                          .furthest_m = 1.5 * nearest_m,
+                          .right_share = 1.0};
+    auto sightings = SightAll(truth, rig, setting, random);
+    const StereoPoseOptions options{.noise_px = 0.05, .max_sigmas = 20.0};
+    const auto before = EstimateStereoPose(sightings, rig, std::array{truth}, options);
+    for (PointSighting& sighting : sightings) Offset(kOffset_px, rig, sighting);
+    const auto after = EstimateStereoPose(sightings, rig, std::array{truth}, options);
+    ASSERT_TRUE(before && after);
+    const double shortened_m = before->current_from_reference.translation.norm() -
+                               after->current_from_reference.translation.norm();
+    EXPECT_NEAR(after->offset.lengthening_m_per_px * kOffset_px, shortened_m, 0.1 * shortened_m);
+    // Two rays of a point from either frame know it, if not well.
+    const double sigma_px = 1.0 / std::sqrt(after->offset.information);
+    EXPECT_NEAR(after->offset.score / after->offset.information, kOffset_px, 3.0 * sigma_px);
+    EXPECT_NEAR(before->offset.score / before->offset.information, 0.0, 3.0 * sigma_px);
+    EXPECT_LT(sigma_px, nearest_m < 2.0 ? 0.05 : 0.5);
+  }
+}
+
 TEST(EstimateStereoPose, RefusesWhatIsRandom) {
   SeededRandom random;
   const StereoRig rig = LocCamRig();

@@ -60,6 +60,27 @@ TEST(Align, BackwardsFindsTheInverse) {
   EXPECT_LT(Difference(there * back, Rigid3()).head<3>().norm(), 0.006);
 }
 
+// As a rig sees them whose disparities are all a little too large or too small.
+FrameCloud Farther(FrameCloud cloud, float share_per_m) {
+  for (CloudPoint& point : cloud) point.x_in_left *= 1.0F + share_per_m * point.x_in_left.z();
+  return cloud;
+}
+
+TEST(Align, SaysHowMuchLongerTheWayIsWithDepthsThatAreOff) {
+  constexpr float kShare = 0.01F;
+  const RegistrationOptions options = By(RegistrationMethod::kPointToPlane);
+  const auto align = [&](float share_per_m) {
+    return Align(ToPcl(Farther(SeenFrom(kSource, kRelief_m, 0.0, 1), share_per_m)),
+                 ToPcl(Farther(SeenFrom(kTarget, kRelief_m, 0.0, 1001), share_per_m)),
+                 kTargetFromSource, kGrid_m, options);
+  };
+  const CloudAlignment nearer = align(-kShare), farther = align(kShare);
+  const double longer_m =
+      farther.target_from_source.translation.norm() - nearer.target_from_source.translation.norm();
+  EXPECT_GT(longer_m, 0.005);
+  EXPECT_NEAR(align(0.0F).lengthening_m * 2.0 * kShare, longer_m, 0.2 * longer_m);
+}
+
 // Expected of a normalised squared error with six degrees of freedom: 6.
 TEST(Align, KnowsHowGoodItIs) {
   constexpr int kTrials = 30;

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/registration/relief.h"
+#include "tests/support/synthetic_rover.h"
 
 namespace rigmap {
 namespace {
@@ -44,8 +45,8 @@ RegistrationOptions Improved() {
 
 TEST(RegisterFrames, ChainsWhatTheSurfaceHolds) {
   const auto poses = Drive(10);
-  const Registration found =
-      RegisterFrames(CloudsOf(poses, 0.05), OdometryOf(poses), kBox_m, Improved(), kUnmeasured);
+  const Registration found = RegisterFrames(CloudsOf(poses, 0.05), OdometryOf(poses), LocCamRig(),
+                                            kBox_m, Improved(), kUnmeasured);
   ASSERT_EQ(found.motion.size(), poses.size());
   for (std::size_t i = 0; i < poses.size(); ++i) {
     EXPECT_EQ(found.motion[i].source, PoseSource::kOdometry) << i;
@@ -63,8 +64,8 @@ TEST(RegisterFrames, ChainsWhatTheSurfaceHolds) {
 
 TEST(RegisterFrames, PredictsAFrameThatShowsNothingAndGoesOnBehindIt) {
   const auto poses = Drive(6);
-  const Registration found =
-      RegisterFrames(CloudsOf(poses, 0.05, 3), OdometryOf(poses), kBox_m, Improved(), kUnmeasured);
+  const Registration found = RegisterFrames(CloudsOf(poses, 0.05, 3), OdometryOf(poses),
+                                            LocCamRig(), kBox_m, Improved(), kUnmeasured);
   EXPECT_EQ(found.motion[3].source, PoseSource::kPredicted);
   EXPECT_FALSE(found.frames[3].held);
   EXPECT_EQ(found.motion[4].source, PoseSource::kOdometry);
@@ -76,7 +77,7 @@ TEST(RegisterFrames, SaysWhatSlides) {
   const auto poses = Drive(6);
   for (const bool is_plain : {true, false}) {
     const Registration found =
-        RegisterFrames(CloudsOf(poses, 0.0), OdometryOf(poses), kBox_m,
+        RegisterFrames(CloudsOf(poses, 0.0), OdometryOf(poses), LocCamRig(), kBox_m,
                        is_plain ? RegistrationOptions() : Improved(), kUnmeasured);
     int held = 0;
     for (std::size_t i = 1; i < poses.size(); ++i) {
@@ -96,7 +97,8 @@ TEST(RegisterFrames, SaysWhatSlides) {
 TEST(RegisterFrames, GivesTheSameTwice) {
   const auto poses = Drive(5);
   const auto run = [&] {
-    return RegisterFrames(CloudsOf(poses, 0.05), OdometryOf(poses), kBox_m, {}, kUnmeasured);
+    return RegisterFrames(CloudsOf(poses, 0.05), OdometryOf(poses), LocCamRig(), kBox_m, {},
+                          kUnmeasured);
   };
   const Registration a = run(), b = run();
   for (std::size_t i = 0; i < poses.size(); ++i) {
@@ -107,7 +109,8 @@ TEST(RegisterFrames, GivesTheSameTwice) {
 TEST(RegisterFrames, NoFrameThatShowsAnythingLeavesGuesses) {
   const auto poses = Drive(3);
   const auto nothing = [](int) { return FrameCloud(); };
-  const Registration found = RegisterFrames(nothing, OdometryOf(poses), kBox_m, {}, kUnmeasured);
+  const Registration found =
+      RegisterFrames(nothing, OdometryOf(poses), LocCamRig(), kBox_m, {}, kUnmeasured);
   for (const OdometryFrame& frame : found.motion) EXPECT_EQ(frame.source, PoseSource::kPredicted);
 }
 

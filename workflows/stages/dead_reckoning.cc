@@ -1,6 +1,7 @@
 #include "workflows/stages/dead_reckoning.h"
 
 #include "adjustment/level_world.h"
+#include "adjustment/unchecked_scale.h"
 #include "dead_reckoning/estimate_motion.h"
 #include "pipeline/code_identity.h"
 #include "workflows/stages/trajectory_output.h"
@@ -74,8 +75,9 @@ DeadReckonedPart MakeFiltered(const StageContext&, const Dataset& dataset,
       PointsOfKeyframes(dataset.rig, features, odometry, visual.disparity_noise_px);
   if (!steps.empty() && filter.use_vision) {
     rover.visual_scale_sigma = filter.vision_scale_sigma;
-    rover.part.calibration_scale_sigma =
-        CalibrationScaleSigma(dataset.rig, rover.part.points_in_left, prior);
+    const UncheckedScale unchecked = UncheckedScaleOf(dataset.rig, odometry, prior);
+    rover.part.calibration_scale_sigma = unchecked.sigma;
+    rover.part.asked_offset_px = unchecked.asked_offset_px;
   }
   for (std::size_t i = 0; i < odometry.size(); ++i) {
     rover.part.trajectory[i].keyframe = odometry[i].keyframe;

@@ -20,6 +20,7 @@ namespace {
 
 // What the metres rest on, for the verdict.
 std::string AboutRig(const GateInputs& inputs) {
+  constexpr double kTelling_px = 0.1;
   const StereoRig& rig = inputs.rig;
   const Adjustment& adjustment = inputs.adjustment;
   std::string about;
@@ -34,7 +35,11 @@ std::string AboutRig(const GateInputs& inputs) {
     about += fmt::format("a field of {:.2g} px mends what the lens model lacks; ",
                          adjustment.lens_field_rms_px);
   }
-  if (inputs.calibration_scale_sigma > 0.0) about += "the calibration is not checked; ";
+  if (inputs.calibration_scale_sigma > 0.0) about += "the calibration is not corrected; ";
+  if (std::abs(inputs.asked_offset_px) >= kTelling_px) {
+    about += fmt::format("the images contradict the rig file, every disparity by {:.2g} px; ",
+                         std::abs(inputs.asked_offset_px));
+  }
   if (rig.baseline_sigma_m) return about + "the baseline's sigma counted";
   return about + fmt::format("if the baseline is {:.2f} mm", 1000.0 * rig.Baseline());
 }
@@ -163,6 +168,7 @@ Report JudgeOdometric(const Dataset& dataset, const FeatureIndex& features,
   GateInputs inputs{dataset.rig, odometry, none, part.trajectory};
   inputs.epipolar_px = features.epipolar_px;
   inputs.calibration_scale_sigma = part.calibration_scale_sigma;
+  inputs.asked_offset_px = part.asked_offset_px;
   return ReportPart(inputs, {mapping, poses, adjustment, calibration, {}, {}});
 }
 
@@ -177,6 +183,7 @@ Report JudgeRegistered(const Dataset& dataset, const FeatureIndex& features,
   GateInputs inputs{dataset.rig, compared, registered, part.trajectory};
   inputs.epipolar_px = features.epipolar_px;
   inputs.calibration_scale_sigma = part.calibration_scale_sigma;
+  inputs.asked_offset_px = part.asked_offset_px;
   Report report = ReportPart(inputs, {mapping, poses, adjustment, calibration, {}, {}});
   Gates gates = JudgeRegistration(registration, of_registration);
   gates.push_back(LengthOf(inputs, odometry, poses));

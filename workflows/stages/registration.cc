@@ -20,7 +20,7 @@ Registration MakeRegistration(const StageContext& context, const Dataset& datase
     if (found == depths.frames.end() || *found != frame) return {};
     return ReadCloud(context, depths.files[found - depths.frames.begin()], limits);
   };
-  return RegisterFrames(cloud_of, odometry, limits.grid_m, options,
+  return RegisterFrames(cloud_of, odometry, dataset.rig, limits.grid_m, options,
                         {motion.speed_change_share, motion.turn_change_rad_per_s});
 }
 

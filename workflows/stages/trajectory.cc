@@ -15,14 +15,6 @@
 namespace rigmap {
 namespace {
 
-std::vector<double> DepthsOf(const PointsInLeft& points_in_left) {
-  std::vector<double> depths_m;
-  for (const auto& points : points_in_left) {
-    for (const Eigen::Vector3d& x : points) depths_m.push_back(x.z());
-  }
-  return depths_m;
-}
-
 OdometricPart MakeOdometric(const StageContext&, const Dataset& dataset,
                             const FeatureStore& features, const Odometry& odometry,
                             const OdometryOptions& options, const AdjustmentOptions& prior) {
@@ -38,9 +30,10 @@ OdometricPart MakeOdometric(const StageContext&, const Dataset& dataset,
     for (const Eigen::Vector3d& x : seen[i]) in_gauge.push_back(odometry[i].world_from_left * x);
   }
   const LevelledWorld world = LevelWorld(poses, in_gauge, dataset);
-  const double scale_sigma = CalibrationScaleSigma(dataset.rig, seen, prior);
-  return {dataset.rig, AssembleTrajectory(odometry, none, world.world_from_gauge), std::move(seen),
-          world.up_source, scale_sigma};
+  const UncheckedScale unchecked = UncheckedScaleOf(dataset.rig, odometry, prior);
+  return {dataset.rig,     AssembleTrajectory(odometry, none, world.world_from_gauge),
+          std::move(seen), world.up_source,
+          unchecked.sigma, unchecked.asked_offset_px};
 }
 
 void PublishOdometric(Publication& publication, const StageContext&, const OdometricPart& part,
@@ -66,11 +59,6 @@ PointsInLeft PointsOfKeyframes(const StereoRig& rig, const FeatureStore& feature
     }
   }
   return points;
-}
-
-double CalibrationScaleSigma(const StereoRig& rig, const PointsInLeft& points_in_left,
-                             const AdjustmentOptions& prior) {
-  return UncheckedScaleSigma(rig, DepthsOf(points_in_left), prior);
 }
 
 TrajectoryStage OdometricTrajectory() {

@@ -20,12 +20,13 @@ struct OdometricPart {
   Trajectory trajectory;        // every paired frame, in the world
   PointsInLeft points_in_left;  // of its keyframes; empty where no images were asked
   WorldUp world_up = WorldUp::kCamera;
-  // Of all lengths, by what the calibration may be off, which nothing here has checked.
-  double calibration_scale_sigma = 0.0;
+  // Of all lengths, by what the calibration may be off; and the offset of all disparities that
+  // residuals ask for, px, which was not corrected (adjustment/unchecked_scale.h).
+  double calibration_scale_sigma = 0.0, asked_offset_px = 0.0;
 
   template <class Archive>
   void serialize(Archive& archive) {
-    archive(rig, trajectory, points_in_left, world_up, calibration_scale_sigma);
+    archive(rig, trajectory, points_in_left, world_up, calibration_scale_sigma, asked_offset_px);
   }
 };
 
@@ -36,10 +37,6 @@ TrajectoryStage OdometricTrajectory();
 // What the keyframes see with both eyes.
 PointsInLeft PointsOfKeyframes(const StereoRig& rig, const FeatureStore& features,
                                const Odometry& odometry, double disparity_noise_px);
-// What the prior of the calibration leaves unknown of all lengths, by the depths of these points
-// (adjustment/unchecked_scale.h).
-double CalibrationScaleSigma(const StereoRig& rig, const PointsInLeft& points_in_left,
-                             const AdjustmentOptions& prior);
 
 // A view.
 PosedPart PosedByOdometry(const StageContext& context, const Dataset& dataset,

@@ -28,6 +28,7 @@ struct Found {
   int matches = 0;               // that could have agreed
   double median_shift_px = 0.0;  // of the inliers' left pixels
   double metres_sigma = 0.0;     // as a share of its length, beyond its covariance
+  OffsetEffect offset;
 };
 
 Reference MakeReference(int frame, FrameFeatures features, const StereoRig& rig,

@@ -24,6 +24,10 @@ struct CloudAlignment {
   // around the counterparts tell, whichever distances were made small. Residuals near each other go
   // together (cluster-robust, Liang and Zeger 1986). Zero where nothing holds.
   Matrix6d covariance = Matrix6d::Zero();
+  // Of the way between both, metres, if every point were farther along its ray by its depth times
+  // its depth over a metre, as it is by an offset of disparities; both clouds seen from their own
+  // origins. Zero where nothing holds.
+  double lengthening_m = 0.0;
 };
 
 inline constexpr double kCounterpartGrids = 2.0;
