@@ -19,7 +19,8 @@ constexpr double kSteps = 10.0, kStep_m = 0.2;
 Odometry Drive(double longer_per_px, double offset_px, double information) {
   Odometry motion(1, {.source = PoseSource::kOdometry, .keyframe = true});
   for (int i = 1; i <= static_cast<int>(kSteps); ++i) {
-    motion.push_back({.world_from_left = {{}, Eigen::Vector3d(0.0, 0.0, kStep_m * i)},
+    motion.push_back({.world_from_left = {Eigen::Quaterniond::Identity(),
+                                          Eigen::Vector3d(0.0, 0.0, kStep_m * i)},
                       .reference = i - 1,
                       .source = PoseSource::kOdometry,
                       .keyframe = true,

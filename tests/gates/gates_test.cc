@@ -256,7 +256,8 @@ TEST_F(GatesTest, StepsAreJudgedOneByOne) {
 }
 
 TEST_F(GatesTest, TurnsCountInSigmas) {
-  for (int i = 1; i <= 11; ++i) Shift(i, {ExpRotation({0.0, 40 * kStepSigma_rad, 0.0}), {}});
+  for (int i = 1; i <= 11; ++i)
+    Shift(i, {ExpRotation({0.0, 40 * kStepSigma_rad, 0.0}), Eigen::Vector3d::Zero()});
   EXPECT_NEAR(*Judge("motion_agreement_sigmas").value, 40.0 / std::sqrt(6.0), 1e-6);
   EXPECT_NEAR(*Judge("motion_agreement_pct").value, 0.0, 1e-9);
 }
