@@ -66,8 +66,11 @@ class Uniter {
     const Dataset& dataset = part.input.dataset;
     result_.parts.parts.push_back(
         {part.name, static_cast<int>(dataset.frames.size()), 0, part.status});
-    const auto& px = part.features.epipolar_px;
-    result_.parts.epipolar_px.insert(result_.parts.epipolar_px.end(), px.begin(), px.end());
+    const auto add = [](const std::vector<float>& of_frames, std::vector<float>& all) {
+      all.insert(all.end(), of_frames.begin(), of_frames.end());
+    };
+    add(part.features.epipolar_px, result_.parts.epipolar_px);
+    add(part.features.near_m, result_.parts.near_m);
     DatasetHealth& health = result_.dataset.health;
     const auto append = [](const auto& from, auto& to) {
       for (const auto& text : from) {

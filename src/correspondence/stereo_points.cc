@@ -1,5 +1,6 @@
 #include "correspondence/stereo_points.h"
 
+#include "core/statistics.h"
 #include "geometry/triangulation.h"
 
 namespace rigmap {
@@ -28,6 +29,18 @@ std::vector<std::optional<StereoPoint>> TriangulateFeatures(const std::vector<Fe
     if (x) point = StereoPoint{*x, metres_per_square_metre * x->z() * x->norm()};
   }
   return points;
+}
+
+std::optional<double> NearDepth(const std::vector<Feature>& features, const StereoRig& rig) {
+  constexpr std::size_t kFewest = 20;
+  constexpr double kNearer = 0.05,
+                   kAnyNoise_px = 0.1;  // the latter for sigmas that nobody asks for
+  std::vector<double> depths_m;
+  for (const auto& point : TriangulateFeatures(features, rig, kAnyNoise_px)) {
+    if (point && point->x_in_left.z() > 0.0) depths_m.push_back(point->x_in_left.z());
+  }
+  if (depths_m.size() < kFewest) return std::nullopt;
+  return Quantile(std::move(depths_m), kNearer);
 }
 
 }  // namespace rigmap

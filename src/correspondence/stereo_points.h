@@ -20,6 +20,10 @@ std::vector<std::optional<StereoPoint>> TriangulateFeatures(const std::vector<Fe
                                                             const StereoRig& rig,
                                                             double disparity_noise_px);
 
+// Depth of near ground in one frame, along the left camera's axis: a twentieth of its stereo points
+// are nearer. Nothing of fewer than twenty.
+std::optional<double> NearDepth(const std::vector<Feature>& features, const StereoRig& rig);
+
 // Undistorted normalised coordinates of each feature's left and right pixel.
 struct NormalisedFeature {
   std::optional<Eigen::Vector2d> left, right;

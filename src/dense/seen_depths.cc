@@ -23,7 +23,8 @@ double RoundUp(double value) {
 }  // namespace
 
 SeenDepths DepthsSeen(const StereoRig& rig,
-                      const std::vector<std::vector<Eigen::Vector3d>>& points_in_left) {
+                      const std::vector<std::vector<Eigen::Vector3d>>& points_in_left,
+                      const std::vector<float>& near_of_frames_m) {
   constexpr std::size_t kFewest = 100;
   const Camera& camera = rig.left.camera;
   std::vector<double> depths;
@@ -36,11 +37,15 @@ SeenDepths DepthsSeen(const StereoRig& rig,
   // Rigs are built for ground whose disparity is a twentieth of the width: 51, 62 and 38 px of
   // LocCam, KITTI's cameras and EuRoC's.
   constexpr double kUsualGround = 10.0;
-  if (depths.size() < kFewest) return {overlapping_m, kUsualGround * overlapping_m};
+  const double near_m =
+      near_of_frames_m.empty()
+          ? kUsualGround * overlapping_m
+          : Median(std::vector<double>(near_of_frames_m.begin(), near_of_frames_m.end()));
+  if (depths.size() < kFewest) return {overlapping_m, near_m};
   // In steps of a half octave: a little more or less seen does not make all depth maps others.
   const double half_m = 0.5 * Quantile(depths, 0.001);
   const double rounded_m = std::exp2(0.5 * std::floor(2.0 * std::log2(half_m)));
-  return {std::max(overlapping_m, rounded_m), Quantile(depths, 0.05)};
+  return {std::max(overlapping_m, rounded_m), near_m};
 }
 
 double VoxelFor(const StereoRig& rig, const SeenDepths& seen) {

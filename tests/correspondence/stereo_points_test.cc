@@ -39,6 +39,19 @@ TEST(TriangulateFeatures, BringsPointsBack) {
   }
 }
 
+TEST(NearDepth, IsTheTwentiethPartOfStereoPointsThatIsNearest) {
+  const StereoRig rig = LocCamRig();
+  std::vector<Feature> features;
+  for (int i = 0; i < 100; ++i) features.push_back(Seen(rig, {0.1, 0.1, 1.0 + 0.1 * i}));
+  Feature lone = features.front();
+  lone.right.reset();
+  features.insert(features.end(), 500, lone);
+  ASSERT_TRUE(NearDepth(features, rig));
+  EXPECT_NEAR(*NearDepth(features, rig), 1.5, 0.1);
+  features.erase(features.begin(), features.begin() + 81);
+  EXPECT_FALSE(NearDepth(features, rig));
+}
+
 TEST(TriangulateFeatures, SigmaIsWhatTheDisparityNoiseDoesAlongTheRay) {
   SeededRandom random;
   const StereoRig rig = LocCamRig();

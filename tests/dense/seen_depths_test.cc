@@ -20,15 +20,15 @@ std::vector<std::vector<Eigen::Vector3d>> Points(double first_m, int count) {
   return points;
 }
 
-TEST(DepthsSeen, FollowFromSparsePoints) {
-  const SeenDepths seen = DepthsSeen(RigOf(840.0, 0.12), Points(1.0, 2000));
+TEST(DepthsSeen, FollowFromSparsePointsAndFromWhatFramesSay) {
+  const SeenDepths seen = DepthsSeen(RigOf(840.0, 0.12), Points(1.0, 2000), {1.5F, 9.0F, 1.25F});
   EXPECT_DOUBLE_EQ(seen.nearest_m, 0.5);
-  EXPECT_NEAR(seen.near_m, 2.0, 0.011);
+  EXPECT_DOUBLE_EQ(seen.near_m, 1.5);
 }
 
 TEST(DepthsSeen, AreNoNearerThanWhatBothImagesShow) {
-  EXPECT_DOUBLE_EQ(DepthsSeen(RigOf(1000.0, 0.5), Points(0.2, 2000)).nearest_m, 1.0);
-  const SeenDepths unseen = DepthsSeen(RigOf(1000.0, 0.5), Points(3.0, 50));
+  EXPECT_DOUBLE_EQ(DepthsSeen(RigOf(1000.0, 0.5), Points(0.2, 2000), {}).nearest_m, 1.0);
+  const SeenDepths unseen = DepthsSeen(RigOf(1000.0, 0.5), Points(3.0, 50), {});
   EXPECT_DOUBLE_EQ(unseen.nearest_m, 1.0);
   EXPECT_DOUBLE_EQ(unseen.near_m, 10.0);
 }

@@ -59,7 +59,7 @@ TEST(RequireMemoryForDepthTest, KnowsBeforeAnyFrameIsReadWhatCannotFit) {
   EXPECT_THAT(MessageOf<UsageError>([&] { RequireMemoryForFeatures(rig, 850); }),
               HasSubstr("--memory: expected at least 894 MB"));
   EXPECT_NO_THROW(RequireMemoryForDepth(rig, {}, {}, 4000));
-  const double nearest_m = DepthsSeen(rig, {}).nearest_m;
+  const double nearest_m = DepthsSeen(rig, {}, {}).nearest_m;
   const DenseMatcher matcher(rig, nearest_m, {}, {});
   EXPECT_EQ(FramesAtOnce(matcher.MegabytesPerFrame(), nearest_m, {4000.0, 4000, 1}), 1);
 }

@@ -175,7 +175,7 @@ DepthIndex MakeJoinedDepths(const StageContext& context, const Dataset& dataset,
                             const PosedPart& part, const KnownDepths& known,
                             const DenseOptions& options, const MaskOptions& masks,
                             const VoxelOptions& voxel) {
-  const SeenDepths seen = DepthsSeen(part.rig, part.points_in_left);
+  const SeenDepths seen = DepthsSeen(part.rig, part.points_in_left, features.near_m);
   DepthIndex index = IndexFor(part.rig, seen, voxel);
   index.frames = DenseFrames(part.trajectory, features, index.voxel_m);
   return MatchFrames(context, dataset, content, features.rig_fixed, part.rig, part.points_in_left,
@@ -202,7 +202,7 @@ DepthIndex MakeFrameDepths(const StageContext& context, const Dataset& dataset,
       if (point) points_in_left[i].push_back(point->x_in_left);
     }
   }
-  const SeenDepths seen = DepthsSeen(rig, points_in_left);
+  const SeenDepths seen = DepthsSeen(rig, points_in_left, features.near_m);
   DepthIndex index = IndexFor(rig, seen, voxel);
   for (int frame = 0; frame < static_cast<int>(dataset.frames.size()); ++frame) {
     if (!std::ranges::binary_search(features.unreadable_frames, frame)) {

@@ -37,7 +37,7 @@ double RequireMemoryForDepth(const StereoRig& rig, const DenseOptions& options,
                              const MaskOptions& masks, int allowed_mb) {
   // What the images show is not known yet: as near as a stereo camera sees.
   const double nearest_m =
-      options.min_depth_m > 0.0 ? options.min_depth_m : DepthsSeen(rig, {}).nearest_m;
+      options.min_depth_m > 0.0 ? options.min_depth_m : DepthsSeen(rig, {}, {}).nearest_m;
   const DenseMatcher matcher(rig, nearest_m, options, masks);
   // A nearest depth that is no help is not spoken of.
   constexpr double kMuchFurther = 16.0;

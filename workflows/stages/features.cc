@@ -13,6 +13,7 @@
 #include "core/memory_share.h"
 #include "core/progress.h"
 #include "core/statistics.h"
+#include "correspondence/stereo_points.h"
 #include "pipeline/code_identity.h"
 #include "workflows/stages/joinable.h"
 
@@ -83,6 +84,7 @@ FeatureIndex MakeFeatures(const StageContext& context, const Dataset& dataset,
         FrameFileOf("features", dataset.frames[i].stamp_ns, HashText(how + content.frames[i])));
   }
   std::vector<std::optional<float>> epipolar(count);
+  std::vector<std::optional<double>> near_m(count);
   std::vector<std::vector<std::string>> unreadable(count);
   Progress progress("features", count);
   const auto extract = [&](std::size_t i) {
@@ -90,6 +92,7 @@ FeatureIndex MakeFeatures(const StageContext& context, const Dataset& dataset,
     if (!features.epipolar_errors_px.empty()) {
       epipolar[i] = MedianAbsolute(features.epipolar_errors_px);
     }
+    near_m[i] = NearDepth(features.features, dataset.rig);
     unreadable[i] = std::move(features.unreadable_images);
     progress.Advance();
   };
@@ -100,6 +103,7 @@ FeatureIndex MakeFeatures(const StageContext& context, const Dataset& dataset,
                                  [&] { tbb::parallel_for(std::size_t{0}, count, extract); });
   for (std::size_t i = 0; i < count; ++i) {
     if (epipolar[i]) index.epipolar_px.push_back(*epipolar[i]);
+    if (near_m[i]) index.near_m.push_back(static_cast<float>(*near_m[i]));
     if (unreadable[i].empty()) continue;
     index.unreadable_frames.push_back(static_cast<int>(i));
     index.unreadable_images.insert(index.unreadable_images.end(), unreadable[i].begin(),

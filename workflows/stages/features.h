@@ -17,6 +17,7 @@ namespace rigmap {
 struct FeatureIndex {
   std::vector<FrameFile> files;    // of each frame's own features
   std::vector<float> epipolar_px;  // median absolute error per frame that has any
+  std::vector<float> near_m;       // NearDepth per frame that has one, by the rig file
   std::vector<int> unreadable_frames;
   std::vector<std::string> unreadable_images;  // of these frames
   RigFixedCells rig_fixed;                     // whose features no stage gets
@@ -24,7 +25,7 @@ struct FeatureIndex {
 
   template <class Archive>
   void serialize(Archive& archive) {
-    archive(files, epipolar_px, unreadable_frames, unreadable_images, rig_fixed, how);
+    archive(files, epipolar_px, near_m, unreadable_frames, unreadable_images, rig_fixed, how);
   }
 };
 

@@ -18,6 +18,7 @@ FeatureIndex MakeFeatures(const StageContext& context, const Dataset& dataset,
                           const JoinedParts& parts) {
   FeatureIndex index{.files = parts.features,
                      .epipolar_px = parts.epipolar_px,
+                     .near_m = parts.near_m,
                      .unreadable_frames = parts.unreadable_frames,
                      .unreadable_images = parts.unreadable_images};
   const FeatureStore all = OpenFeatures(context, index);  // of which none is the rig's yet

@@ -28,9 +28,9 @@ struct JoinedParts {
   std::vector<std::string> missing;  // a sentence for each part that is not among them
   std::vector<int> first_part;       // of each frame, the first part that has it
   // Of each frame, by that part.
-  std::vector<FrameFile> features;  // relative to the output folder of the whole
-  std::vector<char> keyframes;      // not 0 where any part chose it
-  std::vector<float> epipolar_px;   // FeatureIndex::epipolar_px of all parts
+  std::vector<FrameFile> features;         // relative to the output folder of the whole
+  std::vector<char> keyframes;             // not 0 where any part chose it
+  std::vector<float> epipolar_px, near_m;  // those of FeatureIndex, of all parts
   std::vector<int> unreadable_frames;
   std::vector<std::string> unreadable_images;
 };

@@ -3,6 +3,7 @@
 #include "core/artefact.h"
 #include "core/progress.h"
 #include "core/statistics.h"
+#include "correspondence/stereo_points.h"
 #include "pipeline/code_identity.h"
 
 namespace rigmap {
@@ -19,7 +20,10 @@ std::vector<FrameFile> FilesOf(const Dataset& dataset, const DatasetContent& con
   return files;
 }
 
-void Add(int frame, const FrameFeatures& features, FeatureIndex& index) {
+void Add(int frame, const FrameFeatures& features, const StereoRig& rig, FeatureIndex& index) {
+  if (const auto near_m = NearDepth(features.features, rig)) {
+    index.near_m.push_back(static_cast<float>(*near_m));
+  }
   if (!features.epipolar_errors_px.empty()) {
     index.epipolar_px.push_back(MedianAbsolute(features.epipolar_errors_px));
   }
@@ -41,7 +45,7 @@ FeatureIndex MakeTracked(const StageContext& context, const Dataset& dataset,
   for (std::size_t i = 0; i < dataset.frames.size(); ++i) {
     const FrameFeatures features = tracker.Next(dataset.frames[i]);
     WriteArtefact(index.files[i].In(context.root), index.files[i].key, features);
-    Add(static_cast<int>(i), features, index);
+    Add(static_cast<int>(i), features, dataset.rig, index);
     progress.Advance();
   }
   ForgetOlderFrames(context.root, index.files);
