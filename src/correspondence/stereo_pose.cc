@@ -26,11 +26,6 @@ Eigen::Matrix<double, 2, 3> ProjectionJacobian(const Eigen::Vector3d& x) {
   return j;
 }
 
-double HuberWeight(double squared_sigmas) {
-  constexpr double kSigmas = 1.5;
-  return std::min(1.0, kSigmas / std::sqrt(std::max(squared_sigmas, 1e-12)));
-}
-
 class PoseProblem {
  public:
   PoseProblem(std::span<const PointSighting> sightings, const StereoRig& rig,
@@ -110,26 +105,21 @@ class PoseProblem {
     Matrix6d normal = Matrix6d::Zero();
     Vector6d mixed = Vector6d::Zero(), gradient = Vector6d::Zero();
     double own = 0.0, along = 0.0;
-    for (const auto& sighting : sightings_) {
-      const auto at = Linearise(sighting, motion);
-      if (!at) continue;
-      const Eigen::Matrix4d information = Information(*at);
-      const double squared =
-          at->residual.dot(information * at->residual) / (sighting.right ? 2.0 : 1.0);
-      if (squared > MaxSquared()) continue;
-      const double weight = HuberWeight(squared);
-      const Vector4 response = OffsetResponse(sighting, motion);
-      normal += weight * at->jacobian.transpose() * information * at->jacobian;
-      mixed += weight * at->jacobian.transpose() * information * response;
-      gradient += weight * at->jacobian.transpose() * information * at->residual;
-      own += weight * response.dot(information * response);
-      along += weight * response.dot(information * at->residual);
-    }
+    ForEachWithin(
+        MaxSquared(), motion,
+        [&](const PointSighting& sighting, const Linearised& at, const Eigen::Matrix4d& weight) {
+          const Vector4 response = OffsetResponse(sighting, motion);
+          normal += at.jacobian.transpose() * weight * at.jacobian;
+          mixed += at.jacobian.transpose() * weight * response;
+          gradient += at.jacobian.transpose() * weight * at.residual;
+          own += response.dot(weight * response);
+          along += response.dot(weight * at.residual);
+        });
     const Eigen::LDLT<Matrix6d> solver(normal);
     const Vector6d following = -solver.solve(mixed);
     const double length_m = motion.translation.norm();
-    return {.lengthening_m_per_px =
-                length_m > 0.0 ? motion.translation.dot(following.head<3>()) / length_m : 0.0,
+    if (!following.allFinite() || !(length_m > 0.0)) return {};
+    return {.lengthening_m_per_px = motion.translation.dot(following.head<3>()) / length_m,
             .score = -(along + following.dot(gradient)),
             .information = own + following.dot(mixed)};
   }
@@ -139,17 +129,11 @@ class PoseProblem {
   std::optional<Matrix6d> Step(double gate_squared, Rigid3& motion) const {
     Matrix6d normal = Matrix6d::Zero();
     Vector6d gradient = Vector6d::Zero();
-    for (const auto& sighting : sightings_) {
-      const auto at = Linearise(sighting, motion);
-      if (!at) continue;
-      const Eigen::Matrix4d information = Information(*at);
-      const double squared =
-          at->residual.dot(information * at->residual) / (sighting.right ? 2.0 : 1.0);
-      if (squared > gate_squared) continue;
-      const double weight = HuberWeight(squared);
-      normal += weight * at->jacobian.transpose() * information * at->jacobian;
-      gradient += weight * at->jacobian.transpose() * information * at->residual;
-    }
+    ForEachWithin(gate_squared, motion,
+                  [&](const PointSighting&, const Linearised& at, const Eigen::Matrix4d& weight) {
+                    normal += at.jacobian.transpose() * weight * at.jacobian;
+                    gradient += at.jacobian.transpose() * weight * at.residual;
+                  });
     const Eigen::LDLT<Matrix6d> solver(normal);
     if (solver.info() != Eigen::Success || !(solver.rcond() > 1e-14)) return std::nullopt;
     const Vector6d step = -solver.solve(gradient);
@@ -181,6 +165,23 @@ class PoseProblem {
   }
 
  private:
+  // Calls `use` for each sighting within the gate, linearised, with its information times its
+  // Huber weight.
+  template <class Use>
+  void ForEachWithin(double gate_squared, const Rigid3& motion, const Use& use) const {
+    constexpr double kHuberSigmas = 1.5;
+    for (const auto& sighting : sightings_) {
+      const auto at = Linearise(sighting, motion);
+      if (!at) continue;
+      const Eigen::Matrix4d information = Information(*at);
+      const double squared =
+          at->residual.dot(information * at->residual) / (sighting.right ? 2.0 : 1.0);
+      if (squared > gate_squared) continue;
+      const double weight = std::min(1.0, kHuberSigmas / std::sqrt(std::max(squared, 1e-12)));
+      use(sighting, *at, weight * information);
+    }
+  }
+
   // Of the residual, if a pixel of offset were taken from both frames' disparities.
   Vector4 OffsetResponse(const PointSighting& sighting, const Rigid3& motion) const {
     const double radians = 1.0 / rig_.left.camera.MeanFocal();
