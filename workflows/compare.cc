@@ -6,6 +6,7 @@
 
 #include "core/error.h"
 #include "core/file.h"
+#include "core/json_text.h"
 #include "workflows/compared_rows.h"
 #include "workflows/comparison.h"
 #include "workflows/comparison_runs.h"
@@ -83,7 +84,7 @@ void DoAll(const CompareRequest& request, const std::vector<ComparisonRun>& runs
                    row["reason"].is_string() ? row["reason"].get<std::string>() : "");
     }
     WriteFileAtomically(run.RowFile(),
-                        [&](std::ostream& stream) { stream << row.dump(1) << "\n"; });
+                        [&](std::ostream& stream) { stream << JsonText(row, 1) << "\n"; });
   }
 }
 
@@ -98,7 +99,7 @@ std::string Compare(const CompareRequest& request) {
   const auto rows = request.part ? StoredRows(request.out) : results;
   const auto comparison = WriteComparison(rows);
   WriteFileAtomically(request.out / "comparison.json",
-                      [&](std::ostream& stream) { stream << comparison.dump(1) << "\n"; });
+                      [&](std::ostream& stream) { stream << JsonText(comparison, 1) << "\n"; });
   WriteFileAtomically(request.out / "comparison.csv",
                       [&](std::ostream& stream) { stream << WriteComparisonCsv(rows); });
   TryToWriteReport(request.out, nullptr);

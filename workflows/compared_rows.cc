@@ -10,6 +10,7 @@
 #include <tuple>
 
 #include "core/file.h"
+#include "core/json_text.h"
 #include "workflows/comparison_runs.h"
 #include "workflows/output_folder.h"
 #include "workflows/part_folder.h"
@@ -97,7 +98,7 @@ std::vector<ComparisonRow> RowsOf(const std::vector<fs::path>& outs) {
   std::vector<ComparisonRow> rows;
   std::map<std::string, int> alike;
   const auto key = [](const ComparisonRow& row) {
-    return row["part"].dump() + row["technique"].dump() + row["setting"].dump();
+    return JsonText(row["part"]) + JsonText(row["technique"]) + JsonText(row["setting"]);
   };
   for (std::size_t i = 0; i < results.size(); ++i) {
     ComparisonRow row = MakeRow({.part = data[i], .run = results[i].root}, results[i].root);

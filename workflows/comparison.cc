@@ -10,6 +10,7 @@
 
 #include "core/error.h"
 #include "core/file.h"
+#include "core/json_text.h"
 #include "core/statistics.h"
 
 namespace rigmap {
@@ -249,7 +250,7 @@ std::vector<std::string> SettingsWithoutEffect(const std::vector<ComparisonRow>&
     for (const char* name : {"setting", "run", "seconds", "seconds_per_pair", "peak_rss_mb"}) {
       figures.erase(name);
     }
-    settings[figures.dump()].push_back(row.at("setting"));
+    settings[JsonText(figures)].push_back(row.at("setting"));
   }
   std::set<std::string> remarks;  // repeats say the same
   for (const auto& [figures, alike] : settings) {

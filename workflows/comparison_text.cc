@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <functional>
 
+#include "core/json_text.h"
 #include "workflows/comparison.h"
 
 namespace rigmap {
@@ -13,7 +14,7 @@ using Json = nlohmann::ordered_json;
 
 std::string CsvCell(const Json& value) {
   if (value.is_null()) return "";
-  if (!value.is_string()) return value.dump();
+  if (!value.is_string()) return JsonText(value);
   std::string text = value;
   for (std::size_t i = 0; (i = text.find('"', i)) != std::string::npos; i += 2) {
     text.insert(i, 1, '"');

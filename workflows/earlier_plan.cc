@@ -87,7 +87,9 @@ void RemovePartsBeside(const fs::path& out, const Json& plan) {
   const auto cuts = CutsOf(plan);
   for (const auto& [name, frames] : CutsOf(earlier)) {
     const fs::path part = out / "parts" / name;
-    if (!cuts.contains(name) && MarkIn(part)) fs::remove_all(part);
+    if (cuts.contains(name) || !MarkIn(part)) continue;
+    const OutputLock lock(part);
+    fs::remove_all(part);
   }
 }
 

@@ -12,7 +12,7 @@ namespace rigmap {
 void RequireSamePlan(const std::filesystem::path& out, const nlohmann::ordered_json& plan);
 
 // The parts of the earlier plan that this one has no job for: their folders in OUT/parts, where
-// they hold results of rigmap.
+// they hold results of rigmap. Throws DataError where a run is at work in one.
 void RemovePartsBeside(const std::filesystem::path& out, const nlohmann::ordered_json& plan);
 
 }  // namespace rigmap

@@ -9,6 +9,7 @@
 
 #include "core/error.h"
 #include "core/file.h"
+#include "core/json_text.h"
 #include "evaluation/matched_poses.h"
 #include "export/tum.h"
 #include "workflows/format_metrics.h"
@@ -145,7 +146,7 @@ std::string Standing(const std::filesystem::path& out, const nlohmann::ordered_j
 
 std::string EvaluatePart(const EvaluateRequest& request) {
   const auto metrics = Metrics(request);
-  if (request.json) return metrics.dump() + "\n";
+  if (request.json) return JsonText(metrics) + "\n";
   return Standing(request.out, metrics) + FormatMetrics(metrics);
 }
 

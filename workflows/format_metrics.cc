@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/json_text.h"
 #include "evaluation/step_figures.h"
 
 namespace rigmap {
@@ -28,7 +29,7 @@ void Collect(const ordered_json& metrics, const std::string& prefix, Lines& line
 std::string CellText(const ordered_json& row, const std::string& column) {
   if (!row.contains(column)) return "-";
   const ordered_json& value = row[column];
-  return value.is_string() ? value.get<std::string>() : value.dump();
+  return value.is_string() ? value.get<std::string>() : JsonText(value);
 }
 
 std::string FormatTable(const ordered_json& rows) {

@@ -11,6 +11,7 @@
 #include "core/artefact.h"
 #include "core/error.h"
 #include "core/file.h"
+#include "core/json_text.h"
 #include "pipeline/code_identity.h"
 #include "pipeline/ledger.h"
 #include "workflows/join_recipe.h"
@@ -76,7 +77,7 @@ class WorldsFile {
   void Write(const Worlds& worlds) const {
     fs::create_directories(path_.parent_path());
     WriteFileAtomically(path_, [&](std::ostream& stream) {
-      stream << nlohmann::json{{"key", key_}, {"worlds", worlds}}.dump(1) << "\n";
+      stream << JsonText(nlohmann::json{{"key", key_}, {"worlds", worlds}}, 1) << "\n";
     });
   }
   void Remove() const { fs::remove(path_); }

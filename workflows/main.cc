@@ -12,6 +12,7 @@
 #include <filesystem>
 #include <optional>
 
+#include "core/console.h"
 #include "core/error.h"
 #include "core/freed_memory.h"
 #include "pipeline/code_identity.h"
@@ -40,18 +41,17 @@ constexpr int kExitFailed = 1, kExitUsage = 2, kExitUntrusted = 3;
 void SayWhyNot(const Refusal& refusal, const std::string& out) {
   std::vector<std::string> gates, advice;
   for (const Cause& cause : refusal.causes) {
-    fmt::print(stderr, "rigmap: {}: {}\n", gates.empty() ? "NOT TRUSTED" : "and", cause.found);
+    Say("rigmap: {}: {}\n", gates.empty() ? "NOT TRUSTED" : "and", cause.found);
     for (const Gate& gate : cause.gates) gates.push_back(FigureText(gate));
     if (std::ranges::find(advice, cause.advice) == advice.end()) advice.push_back(cause.advice);
   }
-  fmt::print(stderr, "rigmap: usable all the same: {}\n", refusal.usable);
+  Say("rigmap: usable all the same: {}\n", refusal.usable);
   for (const std::string& sentence : advice) {
-    fmt::print(stderr, "rigmap: to try next: {}\n", sentence);
+    Say("rigmap: to try next: {}\n", sentence);
   }
   const auto report = fs::path(out) / "report.html";
-  if (fs::exists(report)) fmt::print(stderr, "rigmap: report: {}\n", report.string());
-  fmt::print(stderr, "rigmap: what lies in {} is not to be trusted: {}\n", out,
-             fmt::join(gates, "; "));
+  if (fs::exists(report)) Say("rigmap: report: {}\n", report.string());
+  Say("rigmap: what lies in {} is not to be trusted: {}\n", out, fmt::join(gates, "; "));
 }
 
 // What a run has come to, said at its end.
@@ -62,10 +62,9 @@ int SayHowItEnded(const PartResult& result, const PartArguments& arguments) {
   }
   if (!arguments.quiet) {
     const bool partial = result.status == PartStatus::kPartial;
-    fmt::print(stderr, "{}rigmap: {}{}; results in {}\n",
-               result.summarised ? VerdictLines(arguments.out) : "",
-               arguments.until.empty() ? "done" : "done up to " + arguments.until,
-               partial ? ", " + result.reason : "", arguments.out);
+    Say("{}rigmap: {}{}; results in {}\n", result.summarised ? VerdictLines(arguments.out) : "",
+        arguments.until.empty() ? "done" : "done up to " + arguments.until,
+        partial ? ", " + result.reason : "", arguments.out);
   }
   return 0;
 }
@@ -108,31 +107,31 @@ class SmallCommands {
   bool Run() {
     if (evaluation_->parsed()) {
       evaluate_.truth = IfGiven<fs::path>(truth_);
-      fmt::print("{}", EvaluatePart(evaluate_));
+      PrintResult(EvaluatePart(evaluate_));
       return true;
     }
     if (calibration_->parsed()) {
       calibrate_.outs.assign(outs_.begin(), outs_.end());
       calibrate_.rig_out = rig_out_;
-      fmt::print("{}", Calibrate(calibrate_));
+      PrintResult(Calibrate(calibrate_));
       return true;
     }
     if (report_->parsed()) {
-      fmt::print("{}", WriteReports({reported_.begin(), reported_.end()}));
+      PrintResult(WriteReports({reported_.begin(), reported_.end()}));
       return true;
     }
     if (completion_->parsed() || manual_->parsed()) {
-      fmt::print("{}", completion_->parsed() ? BashCompletion(app_) : ManualPage(app_));
+      PrintResult(completion_->parsed() ? BashCompletion(app_) : ManualPage(app_));
       return true;
     }
     if (options_->parsed()) {
-      fmt::print("{}", PrintOptions(format_));
+      PrintResult(PrintOptions(format_));
       return true;
     }
     if (stages_->parsed()) {
-      fmt::print("{}", PrintStages(technique_ == "join"
-                                       ? JoinRecipe({}, {}, {}, {}, SplitFixes(), {})
-                                       : MakeRecipe(ParseTechnique(technique_), {}, {}, {})));
+      PrintResult(PrintStages(technique_ == "join"
+                                  ? JoinRecipe({}, {}, {}, {}, SplitFixes(), {})
+                                  : MakeRecipe(ParseTechnique(technique_), {}, {}, {})));
       return true;
     }
     return false;
@@ -160,6 +159,20 @@ class SmallCommands {
 bool HasCommand(const CLI::App& app, const std::string& name) {
   return std::ranges::any_of(app.get_subcommands([](const CLI::App*) { return true; }),
                              [&](const CLI::App* command) { return command->get_name() == name; });
+}
+
+// For Ctrl-C: only what is allowed in a handler.
+void SayHowToGoOn(int signal) {
+  constexpr std::string_view kSentence =
+      "\nrigmap: interrupted; the same command again goes on from here\n";
+  [[maybe_unused]] const auto written = write(STDERR_FILENO, kSentence.data(), kSentence.size());
+  std::signal(signal, SIG_DFL);
+  std::raise(signal);
+}
+
+// Where it goes on, and Ctrl-C is not meant for the shell alone.
+void LetGoOnAfterInterrupt() {
+  if (std::signal(SIGINT, SayHowToGoOn) == SIG_IGN) std::signal(SIGINT, SIG_IGN);
 }
 
 int Main(int argc, char** argv) {
@@ -203,12 +216,13 @@ int Main(int argc, char** argv) {
   std::string command;
   for (int i = 0; i < argc; ++i) command += fmt::format("{}{}", i ? " " : "", argv[i]);
   if (small.Run()) return 0;
-  if (comparison->parsed()) {
-    fmt::print("{}", Compare(MakeCompareRequest(compare, command)));
+  if (planning->parsed()) {
+    PrintResult(PrintPlan(plan));
     return 0;
   }
-  if (planning->parsed()) {
-    fmt::print("{}", PrintPlan(plan));
+  LetGoOnAfterInterrupt();
+  if (comparison->parsed()) {
+    PrintResult(Compare(MakeCompareRequest(compare, command)));
     return 0;
   }
   if (running->parsed()) return RunWhole(run, std::move(command));
@@ -216,21 +230,12 @@ int Main(int argc, char** argv) {
   return RunPart(part, std::move(command));
 }
 
-// For Ctrl-C: only what is allowed in a handler.
-void SayHowToGoOn(int signal) {
-  constexpr std::string_view kSentence =
-      "\nrigmap: interrupted; the same command again goes on from here\n";
-  [[maybe_unused]] const auto written = write(STDERR_FILENO, kSentence.data(), kSentence.size());
-  std::signal(signal, SIG_DFL);
-  std::raise(signal);
-}
-
 // One line, whatever input or other programs have put into the sentence.
 void SayLast(std::string sentence) {
   std::replace_if(
       sentence.begin(), sentence.end(),
       [](unsigned char character) { return character < ' ' || character == 0x7f; }, ' ');
-  fmt::print(stderr, "rigmap: {}\n", sentence);
+  Say("rigmap: {}\n", sentence);
 }
 
 }  // namespace
@@ -241,7 +246,6 @@ int main(int argc, char** argv) {
   // Until a job has a log of its own: standard output is for what was asked for.
   spdlog::set_default_logger(spdlog::stderr_logger_mt("rigmap"));
   spdlog::set_pattern("%v");
-  std::signal(SIGINT, rigmap::SayHowToGoOn);
   try {
     return rigmap::Main(argc, argv);
   } catch (const rigmap::UsageError& error) {

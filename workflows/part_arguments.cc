@@ -11,6 +11,7 @@
 #include "core/config_file.h"
 #include "core/error.h"
 #include "core/job.h"
+#include "core/json_text.h"
 #include "workflows/join_recipe.h"
 #include "workflows/print_options.h"
 
@@ -35,14 +36,15 @@ std::pair<int, int> ParseFrames(const std::string& text) {
 // How frames are reconstructed, and how good the result has to be.
 void AddHow(CLI::App* command, PartArguments& a) {
   command->add_option("--config", a.config, "YAML file of options (rigmap options lists all)");
-  command->add_option("--set", a.assignments, "stage.option=value, over --config");
+  command->add_option("--set", a.assignments, "section.option=value, over --config");
   command->add_option(
       "--accuracy", a.accuracy_pct,
       "Per cent of the path that scale and positions must be good to (95 %); default 1");
   command->add_option("--threads", a.threads, "Threads; default: one per core");
   command->add_option(
       "--memory", a.memory_mb,
-      "Megabytes that the process may take, default 2048; depth and fusion keep to it");
+      "Megabytes that the process may take, default 2048; keypoints, depth and fusion keep "
+      "to it");
   command->add_option("--truth", a.truth, "TUM file, track of a prism, or folder with one");
   command->add_flag("--quiet", a.quiet, "No progress, errors only");
 }
@@ -250,7 +252,7 @@ std::string PrintPlan(const RunArguments& a) {
   const RunRequest request = MakeRunRequest(a, "");
   Job job(request.part.threads, request.part.quiet);
   const TraversePlan plan = job.Run([&] { return PlanTraverse(request.plan); });
-  if (!a.sbatch) return ToJson(plan, request.plan).dump(1) + "\n";
+  if (!a.sbatch) return JsonText(ToJson(plan, request.plan), 1) + "\n";
   std::vector<std::string> more;
   if (!a.part.config.empty()) {
     more.insert(more.end(), {"--config", fs::absolute(a.part.config).string()});

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <set>
 
+#include "core/json_text.h"
 #include "pipeline/code_identity.h"
 #include "workflows/stages/gates_report.h"
 
@@ -185,8 +186,7 @@ std::string WriteSummary(const Ledger& ledger, const std::string& recipe,
     summary["verdict"]["usable"] = result.refusal.usable;
   }
   summary["command"] = request.command;
-  // Paths and other programs' words need not be UTF-8, as JSON must.
-  return summary.dump(1, ' ', false, Report::error_handler_t::replace) + "\n";
+  return JsonText(summary, 1) + "\n";
 }
 
 }  // namespace rigmap

@@ -10,9 +10,11 @@
 #include <optional>
 #include <thread>
 
+#include "core/console.h"
 #include "core/error.h"
 #include "core/file.h"
 #include "core/job.h"
+#include "core/json_text.h"
 #include "workflows/disk_space.h"
 #include "workflows/earlier_plan.h"
 #include "workflows/join.h"
@@ -49,10 +51,9 @@ void Announce(const TraversePlan& plan, const RunRequest& request) {
   double seconds = CanBeJoined(request) ? EstimatedJoinSeconds(plan, part.threads) : 0.0;
   for (const PartJob& job : plan.jobs) seconds += EstimatedSeconds(job, part.threads);
   const int at_once = PartsAtOnce(plan, part.threads, part.memory_mb);
-  fmt::print(stderr,
-             "{} parts with {} pairs, {} at a time: about {:.0f} minutes and {:.1f} GB of disk\n",
-             plan.jobs.size(), PairsOf(plan), at_once, std::ceil(seconds / 60.0),
-             1e-3 * EstimatedDiskMegabytes(plan));
+  Say("{} parts with {} pairs, {} at a time: about {:.0f} minutes and {:.1f} GB of disk\n",
+      plan.jobs.size(), PairsOf(plan), at_once, std::ceil(seconds / 60.0),
+      1e-3 * EstimatedDiskMegabytes(plan));
 }
 
 struct PartFailure {
@@ -87,8 +88,7 @@ class Parts {
     if (next_ >= plan_.jobs.size()) return std::nullopt;
     const PartJob& job = plan_.jobs[next_];
     if (!request_.part.quiet) {
-      fmt::print(stderr, "part {} of {}: {}, {} pairs\n", next_ + 1, plan_.jobs.size(), job.name,
-                 job.pairs);
+      Say("part {} of {}: {}, {} pairs\n", next_ + 1, plan_.jobs.size(), job.name, job.pairs);
     }
     return next_++;
   }
@@ -102,12 +102,12 @@ class Parts {
     try {
       const PartResult result = ReconstructPart(part);
       if (result.status == PartStatus::kUntrusted) {
-        fmt::print(stderr, "part {} is not trusted by itself: {}\n", job.name, result.reason);
+        Say("part {} is not trusted by itself: {}\n", job.name, result.reason);
       }
     } catch (const std::exception& error) {  // of whatever kind: the others can be done
       failures_[index] = {fmt::format("part {} failed: {}", job.name, ReasonOf(error)),
                           dynamic_cast<const UsageError*>(&error) != nullptr};
-      fmt::print(stderr, "{}\n", failures_[index]->sentence);
+      Say("{}\n", failures_[index]->sentence);
     }
   }
 
@@ -175,11 +175,11 @@ PartResult RunTraverse(const RunRequest& request) {
   const auto planned = ToJson(plan, request.plan);
   if (!request.part.force) RequireSamePlan(out, planned);
   RequireDisk(plan, out);
+  const OutputLock lock(out / "parts");  // the join takes that of the whole
   if (request.part.force) RemovePartsBeside(out, planned);
-  fs::create_directories(out / "parts");
   if (!request.part.quiet) Announce(plan, request);
   WriteFileAtomically(out / "plan.json",
-                      [&](std::ostream& stream) { stream << planned.dump(1) << "\n"; });
+                      [&](std::ostream& stream) { stream << JsonText(planned, 1) << "\n"; });
   const JoinRequest join = WhatWasDone(plan, Parts(plan, request).Do(), request);
   return CanBeJoined(request) ? JoinParts(join) : WithoutJoin(join);
 }

@@ -36,8 +36,7 @@ const Eigen::Vector2d kShift(kColmapPixelShift, kColmapPixelShift);
 // A file in memory with the place up to which it was read.
 class Reader {
  public:
-  explicit Reader(std::filesystem::path path)
-      : path_(std::move(path)), text_(ReadTextFile(path_)) {}
+  explicit Reader(std::filesystem::path path) : path_(std::move(path)), text_(ReadBytes(path_)) {}
 
   template <class Value>
   Value Take() {

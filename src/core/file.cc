@@ -51,7 +51,7 @@ void WriteTo(std::ofstream& stream, const std::filesystem::path& path,
 
 }  // namespace
 
-std::string ReadTextFile(const std::filesystem::path& path) {
+std::string ReadBytes(const std::filesystem::path& path) {
   std::error_code ignored;
   if (std::filesystem::is_directory(path, ignored)) {
     throw DataError(fmt::format("{}: expected a file, found a folder", path.string()));
@@ -62,10 +62,13 @@ std::string ReadTextFile(const std::filesystem::path& path) {
   if (!stream) {
     throw DataError(fmt::format("{}: cannot read: {}", path.string(), std::strerror(errno)));
   }
+  return std::move(text).str();
+}
+
+std::string ReadTextFile(const std::filesystem::path& path) {
   constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
-  std::string content = text.str();
-  if (content.starts_with(kByteOrderMark)) content.erase(0, kByteOrderMark.size());
-  return content;
+  std::string content = ReadBytes(path);
+  return content.starts_with(kByteOrderMark) ? content.substr(kByteOrderMark.size()) : content;
 }
 
 void WriteFileAtomically(const std::filesystem::path& path,

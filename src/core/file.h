@@ -8,8 +8,9 @@
 
 namespace rigmap {
 
-// Without the mark of UTF-8 that some editors put before a text. Throws DataError naming the path
-// when it cannot be read.
+// Throws DataError naming the path when it cannot be read.
+std::string ReadBytes(const std::filesystem::path& path);
+// Without the mark of UTF-8 that some editors put before a text.
 std::string ReadTextFile(const std::filesystem::path& path);
 
 // Calls `write` on a stream to a temporary file beside `path`, then renames it into place. On any

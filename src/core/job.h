@@ -37,7 +37,8 @@ class Job {
     return arena.execute(std::forward<Work>(work));
   }
 
-  // From now on messages go to a new file at `path`; warnings and worse to the terminal as well.
+  // From now on messages go to the end of the file at `path`; warnings and worse to the terminal as
+  // well.
   void LogTo(const std::filesystem::path& path);
   // All messages go to the terminal again.
   void LogToTerminal();

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <vector>
 
 namespace rigmap {
 
@@ -34,20 +33,21 @@ bool OptionRange::Holds(double value) const {
 }
 
 std::string OptionRange::Text() const {
-  std::vector<std::string> parts;
+  std::string text;
+  const auto add = [&text](const std::string& part) { text += (text.empty() ? "" : ", ") + part; };
   const bool limited_below = std::isfinite(lowest), limited_above = std::isfinite(highest);
   if (limited_below && limited_above && !lowest_excluded && !highest_excluded) {
-    parts.push_back(fmt::format("{} to {}", lowest, highest));
+    add(fmt::format("{} to {}", lowest, highest));
   } else {
     if (limited_below) {
-      parts.push_back(fmt::format("{} {}", lowest_excluded ? "more than" : "at least", lowest));
+      add(fmt::format("{} {}", lowest_excluded ? "more than" : "at least", lowest));
     }
     if (limited_above) {
-      parts.push_back(fmt::format("{} {}", highest_excluded ? "less than" : "at most", highest));
+      add(fmt::format("{} {}", highest_excluded ? "less than" : "at most", highest));
     }
   }
-  if (only_odd) parts.push_back("odd");
-  return parts.empty() ? "any number" : fmt::format("{}", fmt::join(parts, ", "));
+  if (only_odd) add("odd");
+  return text.empty() ? "any number" : text;
 }
 
 OptionRange AtLeast(double limit) {

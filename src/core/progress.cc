@@ -1,11 +1,10 @@
 #include "core/progress.h"
 
-#include <fmt/format.h>
 #include <unistd.h>
 
 #include <algorithm>
-#include <cstdio>
 
+#include "core/console.h"
 #include "core/job.h"
 
 namespace rigmap {
@@ -59,14 +58,12 @@ void Progress::Show(bool final) {
   const auto done = std::min(done_, total_);
   if (terminal) {
     const std::size_t filled = total_ ? kBarWidth * done / total_ : kBarWidth;
-    fmt::print(stderr, "\r{:<12} [{}{}] {}/{} {:.1f} s{}\x1b[K{}", label_, std::string(filled, '#'),
-               std::string(kBarWidth - filled, ' '), done, total_, seconds,
-               RateText(done, total_, seconds), final ? "\n" : "");
+    Say("\r{:<12} [{}{}] {}/{} {:.1f} s{}\x1b[K{}", label_, std::string(filled, '#'),
+        std::string(kBarWidth - filled, ' '), done, total_, seconds,
+        RateText(done, total_, seconds), final ? "\n" : "");
   } else {
-    fmt::print(stderr, "{}: {}/{} ({:.1f} s{})\n", label_, done, total_, seconds,
-               RateText(done, total_, seconds));
+    Say("{}: {}/{} ({:.1f} s{})\n", label_, done, total_, seconds, RateText(done, total_, seconds));
   }
-  std::fflush(stderr);
 }
 
 }  // namespace rigmap

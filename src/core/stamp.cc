@@ -107,8 +107,8 @@ StampNs ParseKatwijkStamp(std::string_view text) {
                             month(static_cast<unsigned>(field[1])),
                             day(static_cast<unsigned>(field[2]))};
   // The chrono types keep only the low bits: month 267 would be November.
-  if (!date.ok() || field[0] > 2200 || field[1] > 12 || field[2] > 31 || field[3] > 23 ||
-      field[4] > 59 || field[5] > 60 || field[6] > 1000) {
+  if (!date.ok() || field[0] < 1970 || field[0] > 2200 || field[1] > 12 || field[2] > 31 ||
+      field[3] > 23 || field[4] > 59 || field[5] > 60 || field[6] > 1000) {
     throw fail();
   }
   const StampNs seconds = sys_days(date).time_since_epoch().count() * StampNs{86400} +

@@ -5,12 +5,20 @@
 #include <cmath>
 #include <cstddef>
 #include <functional>
+#include <limits>
 #include <vector>
 
 namespace rigmap {
 
 // 1.4826 times the median absolute deviation is the standard deviation of normal noise.
 inline constexpr double kSigmaOfMedianDeviation = 1.4826;
+
+// Of a sum of squares, each over its variance: rounding may take it below 0. What is not a number
+// must not pass for agreement: it is infinite.
+inline double RootOfSquares(double squares) {
+  if (std::isnan(squares)) return std::numeric_limits<double>::infinity();
+  return std::sqrt(std::max(0.0, squares));
+}
 
 // The value that `share` (0 to 1) of the others come before, in the order of `key`. `values` must
 // not be empty. Linear time.

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/statistics.h"
+
 namespace rigmap {
 namespace {
 
@@ -51,8 +53,7 @@ double InnovationSigmas(const Belief& belief, const Measurement& measurement) {
   const Eigen::VectorXd& residual = measurement.residual;
   const Eigen::MatrixXd solved =
       RightDivided(residual.transpose(), InnovationCovariance(belief, measurement));
-  const double squared = (solved * residual)(0, 0) / static_cast<double>(residual.size());
-  return std::sqrt(std::max(0.0, squared));
+  return RootOfSquares((solved * residual)(0, 0) / static_cast<double>(residual.size()));
 }
 
 Belief Updated(const Belief& belief, const Measurement& measurement) {

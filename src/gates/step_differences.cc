@@ -1,6 +1,6 @@
 #include "gates/internal/step_differences.h"
 
-#include <cmath>
+#include "core/statistics.h"
 
 namespace rigmap {
 
@@ -17,10 +17,11 @@ std::vector<StepDifference> StepDifferences(const GateInputs& inputs) {
     const Rigid3 off = (to->Inverse() * *from) * odometric.Inverse();
     Vector6d difference;
     difference << off.translation, LogRotation(off.rotation);
-    const double squared = difference.dot(frame.step_covariance.ldlt().solve(difference)) / 6.0;
-    const double step_m = odometric.translation.norm();
-    differences.push_back({static_cast<int>(i), std::sqrt(std::max(0.0, squared)),
-                           step_m > 0.0 ? 100.0 * off.translation.norm() / step_m : 0.0});
+    const double squares = difference.dot(frame.step_covariance.ldlt().solve(difference)) / 6.0;
+    const double off_m = RootOfSquares(off.translation.squaredNorm()),
+                 step_m = odometric.translation.norm();
+    differences.push_back(
+        {static_cast<int>(i), RootOfSquares(squares), step_m > 0.0 ? 100.0 * off_m / step_m : 0.0});
   }
   return differences;
 }

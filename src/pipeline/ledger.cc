@@ -6,6 +6,7 @@
 
 #include "core/error.h"
 #include "core/file.h"
+#include "core/json_text.h"
 
 namespace rigmap {
 namespace {
@@ -76,9 +77,8 @@ void WriteLedger(const Ledger& ledger, const std::filesystem::path& root) {
                               {"listed", record.listed},
                               {"report", record.report}});
   }
-  WriteFileAtomically(LedgerPath(root), [&](std::ostream& stream) {
-    stream << json.dump(1, ' ', false, Report::error_handler_t::replace) << '\n';
-  });
+  WriteFileAtomically(LedgerPath(root),
+                      [&](std::ostream& stream) { stream << JsonText(json, 1) << '\n'; });
 }
 
 void RecordSizes(const std::filesystem::path& root, Ledger& ledger) {

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <deque>
 
+#include "core/statistics.h"
 #include "geometry/adjoint.h"
 #include "registration/internal/chained_way.h"
 #include "registration/internal/cloud_alignment.h"
@@ -144,8 +145,7 @@ class Chain {
     const Matrix6d covariance = CovarianceInSource(aligned) + *chained_covariance;
     Vector6d difference;
     difference << off.translation, LogRotation(off.rotation);
-    const double squared = difference.dot(covariance.ldlt().solve(difference)) / 6.0;
-    found.closure_sigmas = std::sqrt(std::max(0.0, squared));
+    found.closure_sigmas = RootOfSquares(difference.dot(covariance.ldlt().solve(difference)) / 6.0);
   }
 
   const Odometry& odometry_;

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "core/json_text.h"
 #include "report/bundle.h"
 #include "report/html.h"
 
@@ -44,7 +45,7 @@ std::string WritePage(const Page& page) {
   text += "</main>\n";
   if (!ReportScripts().empty()) {
     text += "<script type=\"application/json\" id=\"report-data\">";
-    text += EscapedJson(page.data.dump(-1, ' ', false, Json::error_handler_t::replace));
+    text += EscapedJson(JsonText(page.data));
     text += "</script>\n";
     for (std::size_t i = 0; i < page.points.size(); ++i) {
       // The coarsest level before the scripts, so that it is there when they begin.

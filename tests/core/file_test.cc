@@ -39,6 +39,7 @@ TEST(FileTest, AByteOrderMarkIsNoText) {
                                       "0.5 1\n")),
             "0.5 1\n");
   EXPECT_EQ(ReadTextFile(folder.Write("mark.txt", "\xEF\xBB\xBF")), "");
+  EXPECT_EQ(ReadBytes(folder.Path() / "mark.txt"), "\xEF\xBB\xBF") << "of a binary file";
   EXPECT_EQ(ReadTextFile(folder.Write("other.txt", "1 \xEF\xBB\xBF")), "1 \xEF\xBB\xBF");
 }
 

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <string>
 
 namespace rigmap {
@@ -24,6 +25,12 @@ TEST(Statistics, QuantilesRunFromLeastToGreatest) {
 TEST(Statistics, QuantileInTheOrderOfAKey) {
   const std::vector<std::string> words{"long word", "a", "word"};
   EXPECT_EQ(Quantile(words, 0.5, [](const std::string& word) { return word.size(); }), "word");
+}
+
+TEST(Statistics, WhatIsNoNumberIsNoAgreement) {
+  EXPECT_EQ(RootOfSquares(9.0), 3.0);
+  EXPECT_EQ(RootOfSquares(-1e-18), 0.0) << "rounding";
+  EXPECT_TRUE(std::isinf(RootOfSquares(std::nan(""))));
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 #include "tests/support/simulated_part.h"
 #include "tests/support/temporary_folder.h"
 #include "tests/workflows/rigmap_program.h"
+#include "workflows/output_folder.h"
 #include "workflows/stages/joined_parts.h"
 
 namespace rigmap {
@@ -248,6 +249,12 @@ TEST_F(TraverseTest, LeavesPartsThatWereCutOtherwiseUntilForced) {
 
   auto forced = cut("2");
   forced.push_back("--force");
+  for (const char* busy : {"parts", "parts/1.3"}) {
+    const OutputLock lock(out_ / busy);
+    EXPECT_THAT(Run(forced).LastErrorLine(), HasSubstr("another rigmap is working")) << busy;
+    EXPECT_TRUE(fs::exists(out_ / "parts" / "1.3" / "summary.json")) << busy;
+    EXPECT_EQ(ReadTextFile(out_ / "plan.json"), before) << busy;
+  }
   EXPECT_EQ(Run(forced).exit_code, 0);
   EXPECT_FALSE(fs::exists(out_ / "parts" / "1.3"));
   EXPECT_TRUE(fs::exists(out_ / "parts" / "1.2"));

@@ -7,6 +7,7 @@
 
 #include "core/error.h"
 #include "core/file.h"
+#include "core/json_text.h"
 #include "dataset/rig_file.h"
 
 namespace rigmap {
@@ -100,7 +101,7 @@ void PublishCalibration(const Dataset& dataset, const DatasetContent& content,
     }
   }
   publication.File("calibration.json",
-                   [&](std::ostream& stream) { stream << part.dump() << "\n"; });
+                   [&](std::ostream& stream) { stream << JsonText(part) << "\n"; });
 }
 
 std::optional<PartCalibration> ReadCalibration(const std::filesystem::path& out) {
