@@ -14,6 +14,7 @@
 #include "core/file.h"
 #include "core/job.h"
 #include "dataset/rig_file.h"
+#include "workflows/part_options.h"
 #include "workflows/rig_prior.h"
 #include "workflows/stages/calibration_output.h"
 
@@ -189,7 +190,8 @@ RigPool Contributions(const Pool& pool, const PooledCalibration& calibration,
   return contributions;
 }
 
-std::string Table(const Pool& pool, const PooledCalibration& calibration) {
+std::string Table(const Pool& pool, const PooledCalibration& calibration,
+                  const AdjustmentOptions& options) {
   const StereoRig pooled = Corrected(pool.base, calibration.pooled.correction);
   std::string table = fmt::format(
       "corrected: {}; largest shift in the right image {:.2f} px, disparity at infinity {:+.3f} "
@@ -198,7 +200,7 @@ std::string Table(const Pool& pool, const PooledCalibration& calibration) {
       NameOf(calibration.refined), LargestShiftPx(pool.base, pooled),
       DisparityAtInfinity(pooled) - DisparityAtInfinity(pool.base), "part", "infinity px",
       "others px", "apart px", "difference", "largest");
-  const CalibrationVector prior_sigmas = PriorOf(pool.base, AdjustmentOptions{}).sigmas;
+  const CalibrationVector prior_sigmas = PriorOf(pool.base, options).sigmas;
   const auto infinity_px = [&](const ProbableCorrection& found) {
     const StereoRig rig = Corrected(pool.base, found.correction);
     return fmt::format(
@@ -256,10 +258,32 @@ void RequireRigOut(const std::filesystem::path& path) {
   }
 }
 
+std::string TextOf(const AdjustmentOptions& options) {
+  PartOptions text;
+  text.adjustment = options;
+  return WritePartOptions(text);
+}
+
+// That the parts were made with: how far rig files are taken to be off and noise to be shared.
+AdjustmentOptions OptionsOf(const std::vector<std::filesystem::path>& outs) {
+  std::optional<AdjustmentOptions> options;
+  for (const std::filesystem::path& out : outs) {
+    const auto config = out / "config.yaml";
+    if (!std::filesystem::exists(config)) continue;  // a run is at work there, or was killed
+    const AdjustmentOptions found = LoadPartOptions(config, {}).adjustment;
+    if (!options) options = found;
+    if (TextOf(found) == TextOf(*options)) continue;
+    throw DataError(
+        fmt::format("{}: expected the options of adjustment that {} was made with, found others",
+                    config.string(), outs.front().string()));
+  }
+  return options.value_or(AdjustmentOptions{});
+}
+
 std::string CalibrateNow(const CalibrateRequest& request) {
   RequireRigOut(request.rig_out);
   const Pool pool = ReadPool(request.outs);
-  const AdjustmentOptions options;
+  const AdjustmentOptions options = OptionsOf(request.outs);
   const auto calibration =
       PoolCalibrations(WitnessesOf(pool.base, pool.parts), PriorOf(pool.base, options), options);
   if (!calibration) ThrowSingular();
@@ -271,7 +295,7 @@ std::string CalibrateNow(const CalibrateRequest& request) {
            << WritePooledRigFile(pooled);
   });
   WarnOfContradictions(pool, *calibration);
-  return Table(pool, *calibration);
+  return Table(pool, *calibration, options);
 }
 
 }  // namespace

@@ -205,6 +205,16 @@ void CheckSize(const std::string& path, const Camera& camera, const std::string&
   }
 }
 
+void CheckMask(const RigEye& eye, const std::string& rig_source) {
+  if (eye.mask_path.empty()) return;
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(eye.mask_path, ignored)) {
+    throw DataError(
+        fmt::format("{}: expected a mask image, found no file {}", rig_source, eye.mask_path));
+  }
+  CheckSize(eye.mask_path, eye.camera, rig_source);
+}
+
 // False if it cannot be read.
 bool CheckImage(const std::string& path, Eye eye, const StereoRig& rig) {
   try {
@@ -219,10 +229,7 @@ bool CheckImage(const std::string& path, Eye eye, const StereoRig& rig) {
 // another camera's: better said before the first hour than after it.
 void CheckSizes(const Dataset& dataset) {
   const StereoRig& rig = dataset.rig;
-  for (const Eye eye : kEyes) {
-    const std::string& mask_path = rig.Of(eye).mask_path;
-    if (!mask_path.empty()) CheckSize(mask_path, rig.Of(eye).camera, rig.source);
-  }
+  for (const Eye eye : kEyes) CheckMask(rig.Of(eye), rig.source);
   for (const LoneImage& image : dataset.lone_images) CheckImage(image.path, image.eye, rig);
   const auto& frames = dataset.frames;
   const auto readable = std::count_if(frames.begin(), frames.end(), [&](const StereoFrame& frame) {

@@ -42,8 +42,8 @@ namespace rigmap {
 // Throws DataError naming file, line, what was expected and what was found: for any other key,
 // fisheye models and k4 to k6 (by name), numbers that are not finite, R further than 1e-3 from a
 // rotation (closer ones are made exact), a principal point outside the image, a right camera that
-// is not to the right of the left one, a mask that does not exist. A calibrated_region is cut to
-// the image.
+// is not to the right of the left one. A calibrated_region is cut to the image. Whether masks exist
+// is asked by who needs their pixels (OpenDataset).
 StereoRig ReadRigFile(const std::filesystem::path& path);
 
 // The same of a text; `name` is what errors call it, and what relative paths are relative to.

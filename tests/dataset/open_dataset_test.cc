@@ -188,6 +188,10 @@ TEST_F(OpenKatwijkTest, MasksMustHaveTheRigsSize) {
   EXPECT_THAT(Open(root_).rig.right.mask_path, EndsWith("root/m.png"));
   WriteImage(root_ / "m.png", 32, 25);
   EXPECT_THAT(MessageOf<DataError>([&] { Open(root_); }), HasSubstr("m.png: expected 32 x 24"));
+  std::filesystem::remove(root_ / "m.png");
+  EXPECT_THAT(
+      MessageOf<DataError>([&] { Open(root_); }),
+      AllOf(HasSubstr("rig.yaml: expected a mask image, found no file"), EndsWith("root/m.png")));
 }
 
 TEST_F(OpenKatwijkTest, FoldersThatAreNoneAreRefused) {
@@ -316,6 +320,7 @@ TEST(SharedDatasetTest, InclinometerPointsUp) {
   const auto data = SharedData();
   if (!data) GTEST_SKIP() << "RIGMAP_DATA is not set";
   const Dataset dataset = OpenDataset({.folder = *data / "beach-dev", .traverse = 3, .part = 1});
+  ASSERT_FALSE(dataset.inclinometer.empty());
   for (const auto& sample : dataset.inclinometer) {
     const Eigen::Vector3d up_in_left =
         dataset.rig.imu_from_left->rotation.conjugate() * sample.acceleration_in_imu.normalized();

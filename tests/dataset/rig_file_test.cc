@@ -302,13 +302,11 @@ TEST_F(RigFileTest, RectifiedMustBeTrue) {
   EXPECT_NO_THROW(Read(Replaced(promise, "[-0.12, 0, 0]", "[-0.12, 0.0001, 0]")));
 }
 
-TEST_F(RigFileTest, RegionAndMaskMustFit) {
+TEST_F(RigFileTest, RegionMustFit) {
   EXPECT_THAT(Complaint("  fx: 30.5", "  calibrated_region: [20, 0, 10, 23]\n  fx: 30.5"),
               HasSubstr("rig.yaml:5: expected [x0, y0, x1, y1] with x0 < x1"));
   EXPECT_THAT(Complaint("  fx: 30.5", "  calibrated_region: [40, 0, 50, 23]\n  fx: 30.5"),
               HasSubstr("inside the image of 32 x 24"));
-  EXPECT_THAT(Complaint("  fx: 30.5", "  mask: none.png\n  fx: 30.5"),
-              AllOf(HasSubstr("rig.yaml:5: expected a mask image"), HasSubstr("none.png")));
 }
 
 TEST(LocCamRigTest, IsTheKatwijkRigInOpenCvsConvention) {

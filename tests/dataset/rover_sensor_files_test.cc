@@ -72,6 +72,7 @@ TEST_F(RoverSensorFilesTest, ReadsJointsAndInertialUnit) {
 
 TEST_F(RoverSensorFilesTest, AnglesGoOnOverFullTurns) {
   const auto reading = Read(WheelRows(), ImuRows());
+  ASSERT_FALSE(reading.wheels.samples.empty());
   for (const WheelSample& sample : reading.wheels.samples) {
     const double seconds = 1e-9 * static_cast<double>(sample.stamp_ns - kBegin);
     EXPECT_NEAR(sample.drive_angle_rad[2], kWheelRate_radps * seconds, 1e-9) << "rad";

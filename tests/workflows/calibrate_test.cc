@@ -140,6 +140,26 @@ TEST_F(CalibrateTest, MasksAntennaAndBaselinesSigmaStayInTheFile) {
   ExpectAgree(again.rig, pooled.rig);
 }
 
+// No pixel of it is needed.
+TEST_F(CalibrateTest, AMaskMayHaveMovedSince) {
+  PooledRig given{start_, {}};
+  given.rig.left.mask_path = folder_.Write("left.png", "").string();
+  const fs::path a = Part("a", {"a"}, given), b = Part("b", {"b"}, given);
+  fs::remove(given.rig.left.mask_path);
+  EXPECT_EQ(Pool({a, b}).rig.left.mask_path, given.rig.left.mask_path);
+}
+
+TEST_F(CalibrateTest, ThePriorIsThatOfTheParts) {
+  const fs::path a = Part("a", {"a"}, {start_, {}}), b = Part("b", {"b"}, {start_, {}});
+  const double known = Known(Pool({a, b}).rig);
+  const std::string narrow = "adjustment:\n  rig_prior_deg: 0.001\n";
+  folder_.Write("a/config.yaml", narrow);
+  folder_.Write("b/config.yaml", narrow);
+  EXPECT_GT(Known(Pool({a, b}).rig), 10.0 * known);
+  folder_.Write("b/config.yaml", "adjustment:\n  rig_prior_deg: 0.002\n");
+  EXPECT_THAT(Complaint({a, b}), HasSubstr("b/config.yaml: expected the options of adjustment"));
+}
+
 TEST_F(CalibrateTest, PartsOfFilesThatStateOtherSigmasAreRefused) {
   StereoRig stated = start_;
   stated.stated_sigmas.board_px = 0.2;
