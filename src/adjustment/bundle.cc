@@ -13,6 +13,10 @@ void SolveBundle(double huber_px, double function_tolerance, Bundle& bundle) {
   const BundleSolver::Summary summary = BundleSolver(bundle, huber_px).Solve(function_tolerance);
   spdlog::info("bundle: {} iterations, cost {:.6e} to {:.6e}", summary.iterations,
                summary.initial_cost, summary.final_cost);
+  if (!summary.settled) {
+    spdlog::warn("bundle: not settled after {} iterations: what follows says how good it is",
+                 summary.iterations);
+  }
 }
 
 std::vector<double> ErrorsPx(const Bundle& bundle) {

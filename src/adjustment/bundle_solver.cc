@@ -182,7 +182,7 @@ BundleSolver::Summary BundleSolver::Solve(double function_tolerance) {
   constexpr double kNearShare = 0.1;   // a step that gained less of the cost ends near the solution
   constexpr double kRounding = 1e-20;  // of the initial cost: nothing is left to gain
   double cost = Cost(poses_, points_), damping = kStartDamping, raise = 2.0;
-  Summary summary{0, cost, cost};
+  Summary summary{.initial_cost = cost, .final_cost = cost};
   if (!std::isfinite(cost)) return summary;
   while (summary.iterations < kMaxIterations) {
     ++summary.iterations;
@@ -190,7 +190,8 @@ BundleSolver::Summary BundleSolver::Solve(double function_tolerance) {
     const double gain = step ? cost - Cost(step->poses, step->points) : -1.0;
     if (!(step && gain > kLeastShare * step->expected_gain)) {
       // No step gains anything any more, but for rounding.
-      if (step && step->expected_gain <= function_tolerance * cost) break;
+      summary.settled = step && step->expected_gain <= function_tolerance * cost;
+      if (summary.settled) break;
       damping *= raise;
       raise *= 2.0;
       is_near_ = false;
@@ -203,7 +204,8 @@ BundleSolver::Summary BundleSolver::Solve(double function_tolerance) {
     poses_ = std::move(step->poses);
     points_ = std::move(step->points);
     cost -= gain;
-    if (gain <= function_tolerance * cost || cost <= kRounding * summary.initial_cost) break;
+    summary.settled = gain <= function_tolerance * cost || cost <= kRounding * summary.initial_cost;
+    if (summary.settled) break;
     is_near_ = gain <= kNearShare * cost;
   }
   summary.final_cost = cost;

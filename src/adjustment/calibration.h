@@ -20,8 +20,11 @@ CalibrationVector CorrectionBetween(const StereoRig& from, const StereoRig& to);
 // wrong rig leaves in the residuals are correlated as well. How well the path could determine the
 // step at all, the sigmas of independent residuals say.
 struct CalibrationStep {
-  Eigen::Vector3d rig_rotation, rig_rotation_sigma, rig_rotation_sigma_if_independent;
-  Eigen::Matrix3d rig_rotation_correlation;  // of independent observations
+  Eigen::Vector3d rig_rotation = Eigen::Vector3d::Zero(),
+                  rig_rotation_sigma = Eigen::Vector3d::Zero(),
+                  rig_rotation_sigma_if_independent = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d rig_rotation_correlation =
+      Eigen::Matrix3d::Zero();  // of independent observations
   double log_focal, log_focal_sigma, log_focal_sigma_if_independent;
 };
 

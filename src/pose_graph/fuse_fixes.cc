@@ -63,22 +63,23 @@ class FixFuser {
   std::optional<FusedFixes> Fuse() {
     const auto there = static_cast<std::size_t>(std::ranges::count(used_, 1));
     if (there < kMinFixes) return std::nullopt;
-    Solve(true);
+    if (!Solve(true)) return std::nullopt;
     RaiseSigmas();
-    Solve(true);
+    if (!Solve(true)) return std::nullopt;
     RejectOutliers();
     const auto believed = static_cast<std::size_t>(std::ranges::count(used_, 1));
     if (believed < kMinFixes ||
         static_cast<double>(believed) < kMinBelieved * static_cast<double>(there)) {
       return std::nullopt;
     }
-    const double cost = Solve(false);
-    return Result(cost, believed);
+    const auto cost = Solve(false);
+    if (!cost) return std::nullopt;
+    return Result(*cost, believed);
   }
 
  private:
-  // Half the sum of squares.
-  double Solve(bool robust) {
+  // Half the sum of squares; nothing where the search does not settle.
+  std::optional<double> Solve(bool robust) {
     ceres::Problem::Options options;
     options.manifold_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
     ceres::Problem problem(options);
@@ -102,6 +103,7 @@ class FixFuser {
     how.function_tolerance = 1e-10;
     ceres::Solver::Summary summary;
     ceres::Solve(how, &problem, &summary);
+    if (summary.termination_type != ceres::CONVERGENCE) return std::nullopt;
     return summary.final_cost;
   }
 

@@ -55,7 +55,8 @@ struct FusedFixes {
 // the first measured pose is held in its world, which only fixes tie to the Earth. Fixes pull under
 // Cauchy's loss first; those further off than four sigmas are then left out (Ceres, one thread:
 // equal input gives equal output). `poses` has two or more. Nothing where fewer than four fixes lie
-// between measured poses or fewer than two thirds of them are believed.
+// between measured poses, fewer than two thirds of them are believed, or the search does not
+// settle.
 std::optional<FusedFixes> FuseFixes(const Trajectory& poses, const std::vector<AntennaFix>& fixes,
                                     const FixFusion& fusion);
 

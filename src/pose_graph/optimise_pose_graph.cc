@@ -73,6 +73,10 @@ PoseGraph OptimisePoseGraph(const PoseGraph& graph, const PoseGraphOptions& opti
   ceres::Solver::Summary summary;
   ceres::Solve(solver, &problem, &summary);
   spdlog::info("{}", summary.BriefReport());
+  if (!summary.IsSolutionUsable()) {
+    spdlog::warn("pose graph: no solution was found, its poses stay as they were");
+    return graph;
+  }
   PoseGraph solved = graph;
   for (std::size_t i = 0; i < blocks.size(); ++i) {
     solved.nodes[i].world_from_left = FromBlock(blocks[i].data());

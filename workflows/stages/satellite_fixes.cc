@@ -48,7 +48,7 @@ class FixTie {
         FuseFixes(part_.trajectory, InEnu(fixes_.tying, *whole_.alignment, clocks_), Fusion());
     if (!fused) {
       return NotUsed(std::move(result),
-                     "fewer than two thirds of the fixes agree with the path of the images");
+                     "no path of the images was found that two thirds of the fixes agree with");
     }
     Describe(*fused);
     const Trajectory moved = Moved(*fused);

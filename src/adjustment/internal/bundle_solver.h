@@ -21,6 +21,7 @@ class BundleSolver {
   struct Summary {
     int iterations = 0;
     double initial_cost = 0.0, final_cost = 0.0;  // half the sum of Huber's loss, px^2
+    bool settled = false;  // false: the last step allowed was taken, or there was nothing to solve
   };
   // Until a step changes the cost by less than this share of it. Leaves the bundle as it is where a
   // point lies behind an eye that sees it.
