@@ -53,7 +53,7 @@ OptionFields DeadReckoningOptions::Fields() {
        "in that time errs by as much."},
       {"level_sigma_rad", &level_sigma_rad, "rad", MoreThan(0.0),
        "Sigma of the error that all inclinations share: bias and mounting of the inclinometer."},
-      {"max_gap_s", &max_gap_s, "s", MoreThan(0.0),
+      {"max_gap_s", &max_gap_s, "s", MoreThan(0.0).UpTo(1e6),
        "Rows that are missing for longer are a gap: wheels cannot bridge it, filter needs images "
        "there. Half a second, since a rover starts and stops in as much."},
       {"keyframe_step_m", &keyframe_step_m, "m", MoreThan(0.0),

@@ -27,8 +27,9 @@ struct TrueSurface {
 inline constexpr std::uint8_t kRockKind = 2;
 
 struct TrueRock {
-  std::string size;            // as the survey calls it: small, medium, large
-  Eigen::Vector3d x_in_truth;  // m; the rock's centre at the level of the sand
+  std::string size;  // as the survey calls it: small, medium, large
+  Eigen::Vector3d x_in_truth =
+      Eigen::Vector3d::Zero();  // m; the rock's centre at the level of the sand
   double width_m = 0.0;
 };
 

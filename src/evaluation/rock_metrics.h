@@ -16,15 +16,16 @@ namespace rigmap {
 
 // The translation that best lays the true surface onto the map.
 struct RockShift {
-  Eigen::Vector3d along_axes_m, sigma_m;
+  Eigen::Vector3d along_axes_m = Eigen::Vector3d::Zero(), sigma_m = Eigen::Vector3d::Zero();
   int directions =
       0;  // 1 to 3 that the rock's faces determine; along the others nothing is shifted
 };
 
 // The factors by which the true surface, stretched and shifted, comes to lie best on the map.
 struct RockStretch {
-  Eigen::Vector3d along_axes, sigma;  // 1 is true
-  double rms_m = 0.0;                 // of what both leave of patches of 5 cm
+  Eigen::Vector3d along_axes = Eigen::Vector3d::Zero(),
+                  sigma = Eigen::Vector3d::Zero();  // 1 is true
+  double rms_m = 0.0;                               // of what both leave of patches of 5 cm
   double doubled_share =
       0.0;  // of patches of 3 cm: the map has two sheets there, 1 cm apart or more
 };

@@ -132,7 +132,7 @@ HeightError CompareHeights(const MatchedPoses& matched) {
 
 OptionFields EvaluationOptions::Fields() {
   return {
-      {"max_dt_s", &max_dt_s, "s", AtLeast(0.0),
+      {"max_dt_s", &max_dt_s, "s", AtLeast(0.0).UpTo(1e6),
        "A true pose is matched with an estimated one within this: half a frame at 25 Hz, in which "
        "a rover moves a centimetre."},
       {"segment_m", &segment_m, "m", AtLeast(0.0),

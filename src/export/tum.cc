@@ -58,27 +58,13 @@ TumPose ParsePose(const std::vector<std::string_view>& fields) {
 
 }  // namespace
 
-std::string WriteTum(const Trajectory& trajectory) {
+std::string WriteTum(const Trajectory& trajectory, const Rigid3& left_from_body) {
   std::string text;
   for (const TimedPose& pose : trajectory) {
-    text += FormatSeconds(pose.stamp_ns) + ' ' + FormatPose(pose.world_from_left, ' ') + '\n';
+    text += FormatSeconds(pose.stamp_ns) + ' ' +
+            FormatPose(pose.world_from_left * left_from_body, ' ') + '\n';
   }
   return text;
-}
-
-Trajectory MovePoint(const Trajectory& trajectory, const Rigid3& left_from_body) {
-  Trajectory moved = trajectory;
-  for (TimedPose& pose : moved) {
-    const Eigen::Vector3d lever_in_world =
-        pose.world_from_left.rotation * left_from_body.translation;
-    const Eigen::Matrix3d variance_from_turn = Skew(lever_in_world).cwiseAbs2();
-    pose.world_from_left = pose.world_from_left * left_from_body;
-    pose.sigmas.head<3>() =
-        (pose.sigmas.head<3>().cwiseAbs2() + variance_from_turn * pose.sigmas.tail<3>().cwiseAbs2())
-            .cwiseSqrt()
-            .eval();
-  }
-  return moved;
 }
 
 std::vector<TumPose> ReadTum(const std::filesystem::path& path) {

@@ -16,14 +16,10 @@ struct TumPose {
   Rigid3 world_from_body;
 };
 
-// The lines of world_from_left, stamps with nine decimals; no comment, so that equal trajectories
-// give equal bytes. Reads back to 1e-9 m and 1e-12 of the quaternion.
-std::string WriteTum(const Trajectory& trajectory);
-
-// The trajectory of a body fixed in the left camera (the antenna, the middle of the rig):
-// world_from_left becomes world_from_body. The position's sigmas take in those of the rotation
-// through the lever arm, as if the errors were independent.
-Trajectory MovePoint(const Trajectory& trajectory, const Rigid3& left_from_body);
+// The lines of a body that is fixed in the left camera, which it is if nothing is said (else the
+// antenna, the middle of the rig): stamps with nine decimals; no comment, so that equal
+// trajectories give equal bytes. Reads back to 1e-9 m and 1e-12 of the quaternion.
+std::string WriteTum(const Trajectory& trajectory, const Rigid3& left_from_body = {});
 
 // The poses in order of time. Fields stand apart by spaces, tabs or commas; quaternions within 1e-2
 // of unit length are normalised. Throws DataError naming file and line for anything else, and for a

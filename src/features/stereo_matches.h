@@ -19,8 +19,9 @@ struct StereoImages {
 };
 
 struct StereoMatch {
-  Eigen::Vector2d right;            // px
-  Eigen::Matrix2d right_from_left;  // how the window around it is stretched and sheared
+  Eigen::Vector2d right = Eigen::Vector2d::Zero();  // px
+  Eigen::Matrix2d right_from_left =
+      Eigen::Matrix2d::Identity();  // how the window around it is stretched and sheared
 };
 
 struct StereoMatches {

@@ -11,7 +11,7 @@ namespace rigmap {
 // A bearing seen from a known pose: normalised image coordinates (x/z, y/z).
 struct View {
   Rigid3 camera_from_world;
-  Eigen::Vector2d normalised;
+  Eigen::Vector2d normalised = Eigen::Vector2d::Zero();
 };
 
 // The point that minimises the sum of squared distances to all rays, then one that minimises the

@@ -11,9 +11,11 @@ namespace rigmap {
 
 // Metres; `enu` is LocalFrame(alignment.plane_origin).
 struct FixPair {
-  Eigen::Vector3d antenna_in_world;  // at the moment of the fix, by the clocks' offset
-  Eigen::Vector3d fix_in_enu;
-  Eigen::Vector3d sigma_m;  // of the fix as stated, at least 1 mm; east, north, up
+  Eigen::Vector3d antenna_in_world =
+      Eigen::Vector3d::Zero();  // at the moment of the fix, by the clocks' offset
+  Eigen::Vector3d fix_in_enu = Eigen::Vector3d::Zero();
+  Eigen::Vector3d sigma_m =
+      Eigen::Vector3d::Ones();  // of the fix as stated, at least 1 mm; east, north, up
 };
 
 // The RTK fixes during the path in order of time, of those the ones whose plane agrees with it:

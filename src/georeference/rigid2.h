@@ -17,10 +17,10 @@ struct Rigid2 {
 };
 
 struct PlanePair {
-  Eigen::Vector2d from;
-  Eigen::Vector2d to;
-  Eigen::Vector2d sigma;     // of `to`, each axis, positive
-  Eigen::Vector2d velocity;  // of `from`, per second
+  Eigen::Vector2d from = Eigen::Vector2d::Zero();
+  Eigen::Vector2d to = Eigen::Vector2d::Zero();
+  Eigen::Vector2d sigma = Eigen::Vector2d::Ones();     // of `to`, each axis, positive
+  Eigen::Vector2d velocity = Eigen::Vector2d::Zero();  // of `from`, per second
 };
 
 // Distance of to from to_from_from * from, in sigmas.

@@ -13,8 +13,8 @@
 namespace rigmap {
 
 struct CloudPoint {
-  Eigen::Vector3f x_in_left;  // metres, left camera axes
-  Eigen::Vector3f normal;     // unit, towards the camera
+  Eigen::Vector3f x_in_left = Eigen::Vector3f::Zero();  // metres, left camera axes
+  Eigen::Vector3f normal = Eigen::Vector3f::Zero();     // unit, towards the camera
   std::array<std::uint8_t, 3> rgb{};
   float sigma_m = 0.0F;  // one standard deviation of one measurement along its ray
 };

@@ -25,9 +25,9 @@ using Descriptor = std::array<std::uint8_t, kDescriptorSize>;
 using Patch = std::array<std::uint8_t, std::size_t{kPatchSize} * kPatchSize>;
 
 struct Feature {
-  Eigen::Vector2d left;                  // px, OpenCV convention, distorted image
-  std::optional<Eigen::Vector2d> right;  // its stereo match on the epipolar line
-  float size = 0.0F;                     // diameter of the keypoint, px
+  Eigen::Vector2d left = Eigen::Vector2d::Zero();  // px, OpenCV convention, distorted image
+  std::optional<Eigen::Vector2d> right;            // its stereo match on the epipolar line
+  float size = 0.0F;                               // diameter of the keypoint, px
   // How the match moves with the keypoint, as both eyes see the surface around it.
   Eigen::Matrix2d right_from_left = Eigen::Matrix2d::Identity();
 

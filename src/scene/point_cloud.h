@@ -9,7 +9,7 @@
 namespace rigmap {
 
 struct SurfacePoint {
-  Eigen::Vector3f x_in_world;                // metres
+  Eigen::Vector3f x_in_world = Eigen::Vector3f::Zero();  // metres
   Eigen::Vector3f normal{0.0F, 0.0F, 0.0F};  // unit, towards the cameras; zero where unknown
   std::array<std::uint8_t, 3> rgb{};
   std::uint16_t observations = 0;  // depth pixels that were merged into it

@@ -41,8 +41,8 @@ struct SparseCamera {
 };
 
 struct SparseKeypoint {
-  Eigen::Vector2d pixel;                  // OpenCV's convention
-  std::optional<std::uint64_t> point_id;  // the point that it observes
+  Eigen::Vector2d pixel = Eigen::Vector2d::Zero();  // OpenCV's convention
+  std::optional<std::uint64_t> point_id;            // the point that it observes
 
   template <class Archive>
   void serialize(Archive& archive) {

@@ -88,8 +88,11 @@ TEST(MatchFrames, FindsTheTrueMatches) {
 TEST(MatchFrames, MatchesAreOneToOne) {
   SeededRandom random;
   const SyntheticRover rover = MakeSyntheticRover(Textured());
-  for (const FramePair& pair : Match(rover, DriftingOdometry(rover, random)).pairs) {
+  const Correspondences found = Match(rover, DriftingOdometry(rover, random));
+  ASSERT_FALSE(found.pairs.empty());
+  for (const FramePair& pair : found.pairs) {
     EXPECT_LT(pair.a, pair.b);
+    EXPECT_FALSE(pair.matches.empty());
     std::set<unsigned> of_a, of_b;
     for (const auto& [a, b] : pair.matches) {
       EXPECT_TRUE(of_a.insert(a).second);

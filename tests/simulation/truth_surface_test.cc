@@ -89,8 +89,10 @@ TEST_F(TruthSurface, VisibleIsWhatTwoFramesSee) {
 
 TEST_F(TruthSurface, VisiblePointsProjectIntoBothImages) {
   Write(drive_, "surface.ply");
+  int visible = 0;
   for (const FilePoint& point : ReadPoints(folder_.Path() / "surface.ply")) {
     if (!point.visible) continue;
+    ++visible;
     const auto frames = std::count_if(drive_.begin(), drive_.end(), [&](const Rigid3& pose) {
       const Eigen::Vector3d x_in_left = pose.Inverse() * point.position;
       return IsInside(rig_.left.camera, x_in_left) &&
@@ -98,6 +100,7 @@ TEST_F(TruthSurface, VisiblePointsProjectIntoBothImages) {
     });
     EXPECT_GE(frames, 2);
   }
+  EXPECT_GT(visible, 0);
 }
 
 TEST_F(TruthSurface, ReadsBackAsAPointCloud) {

@@ -15,7 +15,7 @@ void WriteText(Publication& publication, const std::string& name, const std::str
 }
 
 std::string TumOfPoint(const Trajectory& trajectory, const Eigen::Vector3d& x_in_left) {
-  return WriteTum(MovePoint(trajectory, {Eigen::Quaterniond::Identity(), x_in_left}));
+  return WriteTum(trajectory, {Eigen::Quaterniond::Identity(), x_in_left});
 }
 
 }  // namespace
