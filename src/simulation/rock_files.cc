@@ -7,7 +7,7 @@
 
 #include "core/error.h"
 #include "core/file.h"
-#include "georeference/utm.h"
+#include "georeference/utm_grid.h"
 #include "simulation/internal/noise.h"
 
 namespace rigmap {
@@ -23,7 +23,7 @@ double Normal(HashSequence& random, double sigma) {
 }
 
 std::string SurveyRow(const Boulder& boulder, const LocalFrame& local, HashSequence& random) {
-  const UtmPoint utm = ToUtm31(local.ToGeodetic(boulder.centre));
+  const UtmPoint utm = ToUtm(kUtm31, local.ToGeodetic(boulder.centre));
   const double easting_m = utm.easting_m + Normal(random, kRockSurveySigma_m);
   const double northing_m = utm.northing_m + Normal(random, kRockSurveySigma_m);
   return fmt::format("{:.3f} {:.3f}\n", easting_m, northing_m);

@@ -11,7 +11,7 @@
 
 #include "core/file.h"
 #include "export/pose_text.h"
-#include "georeference/utm.h"
+#include "georeference/utm_grid.h"
 
 namespace rigmap {
 namespace {
@@ -54,7 +54,7 @@ std::string AntennaText(std::span<const TruthFrame> frames, const Eigen::Vector3
   for (const TruthFrame& frame : frames) {
     const Eigen::Vector3d antenna = frame.world_from_left * antenna_in_left;
     const Geodetic position = local.ToGeodetic(antenna);
-    const UtmPoint utm = ToUtm31(position);
+    const UtmPoint utm = ToUtm(kUtm31, position);
     text += fmt::format("{} {:.6f} {:.6f} {:.6f} {:.6f} {:.6f} {:.6f}\n",
                         FormatMilliseconds(frame.stamp_ns), antenna.x(), antenna.y(), antenna.z(),
                         utm.easting_m, utm.northing_m, position.altitude_m);
@@ -86,7 +86,7 @@ Json ToJson(const Rigid3& b_from_a) {
 
 void PutOrigin(Json& json, const LocalFrame& local) {
   const Geodetic& origin = local.origin();
-  const UtmPoint utm = ToUtm31(origin);
+  const UtmPoint utm = ToUtm(kUtm31, origin);
   json["frame"] = "local true ENU (x east, y north, z up) tangent to WGS84 at origin, metres";
   json["origin_lat_lon_alt"] = {origin.latitude_deg, origin.longitude_deg, origin.altitude_m};
   json["utm_zone"] = "31N";
@@ -143,7 +143,7 @@ double DistanceFrom(std::span<const Eigen::Vector2d> path, const Eigen::Vector2d
 
 Json ToJson(const Boulder& boulder, std::span<const Eigen::Vector2d> path,
             const LocalFrame& local) {
-  const UtmPoint utm = ToUtm31(local.ToGeodetic(boulder.centre));
+  const UtmPoint utm = ToUtm(kUtm31, local.ToGeodetic(boulder.centre));
   return {{"size", boulder.size},
           {"height", boulder.height_m},
           {"width", boulder.width_m},

@@ -8,7 +8,7 @@
 
 #include "core/error.h"
 #include "georeference/local_frame.h"
-#include "georeference/utm.h"
+#include "georeference/utm_grid.h"
 #include "tests/support/message_of.h"
 #include "tests/support/seeded_random.h"
 #include "tests/support/temporary_folder.h"
@@ -50,7 +50,7 @@ TEST(GnssFile, TakesDegreesAndMetresInEitherOrder) {
   std::string degrees, easting_first, northing_first;
   for (int i = 0; i < 10; ++i) {
     const Geodetic position{random.Uniform(52.1, 52.3), random.Uniform(4.3, 4.5), 6.0};
-    const UtmPoint utm = ToUtm31(position);
+    const UtmPoint utm = ToUtm(kUtm31, position);
     const auto row = [&](double first, double second) {
       return fmt::format("2015_11_26_12_53_{}_0 RTK_FIXED {:.13f} {:.13f} 6.0 0.005 0.004 0.009\n",
                          10 + i, first, second);

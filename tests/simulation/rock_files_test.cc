@@ -7,7 +7,7 @@
 
 #include "core/error.h"
 #include "core/file.h"
-#include "georeference/utm.h"
+#include "georeference/utm_grid.h"
 #include "tests/support/temporary_folder.h"
 
 namespace rigmap {
@@ -45,7 +45,7 @@ TEST(RockFiles, RowsAreTheBouldersOfTheirSizeWithinTheSurveysError) {
     const auto rows = ReadRows(folder.Path() / "Rock Data" / "Rock Positions Traverse 3" / name);
     ASSERT_EQ(rows.size(), 100u);
     for (std::size_t i = 0; i < rows.size(); ++i) {
-      const Geodetic position = FromUtm31(rows[i].x(), rows[i].y(), kOrigin.altitude_m);
+      const Geodetic position = FromUtm(kUtm31, rows[i].x(), rows[i].y(), kOrigin.altitude_m);
       const Eigen::Vector3d error =
           local.ToEnu(position) - boulders[3 * i + static_cast<std::size_t>(size)].centre;
       EXPECT_LT(error.head<2>().norm(), 6.0 * kRockSurveySigma_m);

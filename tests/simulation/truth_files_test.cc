@@ -11,7 +11,7 @@
 
 #include "core/file.h"
 #include "export/tum.h"
-#include "georeference/utm.h"
+#include "georeference/utm_grid.h"
 #include "tests/simulation/small_world.h"
 #include "tests/support/seeded_random.h"
 #include "tests/support/synthetic_rover.h"
@@ -125,7 +125,7 @@ TEST_F(TruthFiles, AntennaIsWhereThePoseAndTheMapSay) {
     for (const std::string& word : rows[i]) value.push_back(std::stod(word));
     const Eigen::Vector3d expected = frames_[i].world_from_left * *setting_.rig.antenna_in_left;
     EXPECT_LT((Eigen::Vector3d(value[1], value[2], value[3]) - expected).norm(), 1e-6);
-    const Geodetic position = FromUtm31(value[4], value[5], value[6]);
+    const Geodetic position = FromUtm(kUtm31, value[4], value[5], value[6]);
     EXPECT_LT((local_.ToEnu(position) - expected).norm(), 2e-6);
   }
 }
@@ -164,7 +164,7 @@ TEST_F(TruthFiles, OriginAndConvergenceDescribeTheMap) {
   EXPECT_EQ(json["origin_lat_lon_alt"][0], 52.2141);
   const double convergence_rad =
       json["grid_convergence_deg"].get<double>() * std::numbers::pi / 180.0;
-  const UtmPoint north = ToUtm31(local_.ToGeodetic({0.0, 1.0, 0.0}));
+  const UtmPoint north = ToUtm(kUtm31, local_.ToGeodetic({0.0, 1.0, 0.0}));
   const double east_m = north.easting_m - json["utm31_origin_easting"].get<double>();
   EXPECT_NEAR(east_m / north.scale, std::sin(convergence_rad), 1e-6);
   EXPECT_NEAR(json["grid_convergence_deg"].get<double>(), -1.1068277, 1e-6);
@@ -199,8 +199,8 @@ TEST_F(TruthFiles, RocksAreThoseOfTheWorld) {
     EXPECT_EQ(ToVector(rock["top"]), boulders[i].top);
     const double off_end_m = centre.x() - std::clamp(centre.x(), 0.0, 2.0);
     EXPECT_NEAR(rock["path_dist"], std::hypot(off_end_m, centre.y()), 1e-9);
-    const Geodetic position = FromUtm31(rock["utm31_easting"], rock["utm31_northing"],
-                                        local_.ToGeodetic(centre).altitude_m);
+    const Geodetic position = FromUtm(kUtm31, rock["utm31_easting"], rock["utm31_northing"],
+                                      local_.ToGeodetic(centre).altitude_m);
     EXPECT_LT((local_.ToEnu(position) - centre).norm(), 1e-6);
   }
 }

@@ -13,7 +13,6 @@
 #include "evaluation/prism_metrics.h"
 #include "evaluation/rock_metrics.h"
 #include "evaluation/rtk_metrics.h"
-#include "export/ply_reader.h"
 #include "georeference/earth_fit.h"
 #include "georeference/fix_pairs.h"
 
@@ -21,14 +20,6 @@ namespace rigmap {
 namespace {
 
 namespace fs = std::filesystem;
-
-RockSegmentation RocksOf(const fs::path& map_ply, const RockSegmentationOptions& options) {
-  HeightGrid heights;
-  PlyReader reader(map_ply);
-  PointCloud block;
-  while (reader.Read(block)) heights.Add(block);
-  return SegmentRocks(heights, options);
-}
 
 std::vector<fs::path> TruthFolders(const fs::path& truth) {
   std::vector<fs::path> folders;
@@ -168,7 +159,7 @@ nlohmann::ordered_json CompareWithSurvey(const SurveyedResult& result,
   const auto& rocks = result.truth.surveyed_rocks;
   if (!fit.alignment || fit.is_weak || rocks.empty() || !fs::exists(result.map_ply, ignored))
     return json;
-  json["surveyed_rocks"] = ToJson(CompareWithSurvey(RocksOf(result.map_ply, options.rocks),
+  json["surveyed_rocks"] = ToJson(CompareWithSurvey(SegmentRocksIn(result.map_ply, options.rocks),
                                                     {result.trajectory, result.rig},
                                                     {rocks, *fit.alignment}, options.survey));
   return json;
