@@ -1,0 +1,77 @@
+#include "dataset/internal/image_checks.h"
+
+#include <fmt/format.h>
+#include <oneapi/tbb/parallel_for.h>
+
+#include <algorithm>
+#include <atomic>
+#include <filesystem>
+
+#include "core/error.h"
+#include "imaging/image.h"
+
+namespace rigmap {
+namespace {
+
+void CheckSize(const std::string& path, const Camera& camera, const std::string& rig_source) {
+  const cv::Size found = ReadSize(path);
+  if (found != cv::Size(camera.width, camera.height)) {
+    throw DataError(fmt::format("{}: expected {} x {} pixels as in {}, found {} x {}", path,
+                                camera.width, camera.height, rig_source, found.width,
+                                found.height));
+  }
+}
+
+void CheckMask(const RigEye& eye, const std::string& rig_source) {
+  if (eye.mask_path.empty()) return;
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(eye.mask_path, ignored)) {
+    throw DataError(
+        fmt::format("{}: expected a mask image, found no file {}", rig_source, eye.mask_path));
+  }
+  CheckSize(eye.mask_path, eye.camera, rig_source);
+}
+
+// False if it cannot be read.
+bool CheckImage(const std::string& path, Eye eye, const StereoRig& rig) {
+  try {
+    CheckSize(path, rig.Of(eye).camera, rig.source);
+    return true;
+  } catch (const UnreadableImage&) {
+    return false;
+  }
+}
+
+}  // namespace
+
+void CheckSizes(const Dataset& dataset) {
+  const StereoRig& rig = dataset.rig;
+  for (const Eye eye : kEyes) CheckMask(rig.Of(eye), rig.source);
+  for (const LoneImage& image : dataset.lone_images) CheckImage(image.path, image.eye, rig);
+  const auto& frames = dataset.frames;
+  const auto readable = std::count_if(frames.begin(), frames.end(), [&](const StereoFrame& frame) {
+    const bool is_left_readable = CheckImage(frame.left_path, Eye::kLeft, rig);
+    return CheckImage(frame.right_path, Eye::kRight, rig) && is_left_readable;
+  });
+  if (readable > 0) return;
+  throw DataError(
+      fmt::format("{}: expected images, found none that can be read in both eyes of any of {} "
+                  "pairs, of which this is the first",
+                  frames.front().left_path, frames.size()));
+}
+
+void DecideSampleBits(const StereoRig& rig, std::vector<StereoFrame>& frames) {
+  std::atomic<int> most = 0;  // 0: no file of 16 bit
+  tbb::parallel_for(std::size_t{0}, frames.size(), [&](std::size_t i) {
+    for (const Eye eye : kEyes) {
+      if (most == 16) return;
+      const int bits = SampleBitsNeeded(frames[i].PathOf(eye), rig.Of(eye).camera).value_or(0);
+      for (int before = most; bits > before && !most.compare_exchange_weak(before, bits);) {
+      }
+    }
+  });
+  if (most == 0) return;
+  for (StereoFrame& frame : frames) frame.sample_bits = most;
+}
+
+}  // namespace rigmap
