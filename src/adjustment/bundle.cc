@@ -14,8 +14,7 @@ void SolveBundle(double huber_px, double function_tolerance, Bundle& bundle) {
   spdlog::info("bundle: {} iterations, cost {:.6e} to {:.6e}", summary.iterations,
                summary.initial_cost, summary.final_cost);
   if (!summary.settled) {
-    spdlog::warn("bundle: not settled after {} iterations: what follows says how good it is",
-                 summary.iterations);
+    spdlog::warn("bundle: not settled after {} iterations", summary.iterations);
   }
 }
 

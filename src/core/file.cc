@@ -68,7 +68,8 @@ std::string ReadBytes(const std::filesystem::path& path) {
 std::string ReadTextFile(const std::filesystem::path& path) {
   constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
   std::string content = ReadBytes(path);
-  return content.starts_with(kByteOrderMark) ? content.substr(kByteOrderMark.size()) : content;
+  if (!content.starts_with(kByteOrderMark)) return content;
+  return content.substr(kByteOrderMark.size());
 }
 
 void WriteFileAtomically(const std::filesystem::path& path,
