@@ -10,8 +10,8 @@
 #include <set>
 
 #include "colmap/internal/camera_model.h"
+#include "colmap/internal/command_line.h"
 #include "colmap/internal/image_ids.h"
-#include "colmap/internal/process.h"
 #include "core/error.h"
 
 namespace rigmap {
@@ -215,12 +215,9 @@ void WriteDatabase(const ColmapInstallation& colmap, const DatabaseContent& cont
     RequireUnlocked(path);
     RemoveDatabase(temporary);
     const Unfinished unfinished{temporary};
-    RunTool({.program = colmap.path,
-             .arguments = {"database_creator", "--database_path", temporary.string()},
-             .log_path = log_path,
-             .environment = {{"GLOG_logtostderr", "1"}},
-             .timeout_without_output_s = colmap.patience_s},
-            "creating the database");
+    CommandLine command("database_creator");
+    command.Path("database_path", temporary);
+    RunTool(ProcessOf(colmap, command, log_path, 1), "creating the database");
     Fill(temporary, colmap, content);
     RemoveDatabase(path);
     std::filesystem::rename(temporary, path);

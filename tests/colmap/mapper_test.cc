@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
+#include <filesystem>
 #include <fstream>
 #include <map>
 #include <regex>
@@ -182,6 +184,17 @@ TEST_F(MapperTest, MapsWithoutASeedIntoNumberedFolders) {
   ASSERT_FALSE(models.empty());
   EXPECT_EQ(models[0], At("models") / "0");
   EXPECT_GT(ReadModel(models[0]).images.size(), static_cast<std::size_t>(kFrames));
+}
+
+TEST_F(MapperTest, LeavesNothingInTheTemporaryFolder) {
+  const TemporaryFolder elsewhere;
+  const char* before = getenv("TMPDIR");
+  const std::string kept = before == nullptr ? "" : before;
+  setenv("TMPDIR", elsewhere.Path().c_str(), 1);
+  Triangulate(RoverPoses(rover_, kSeedFrames));
+  RunMapper(colmap_, {}, Request());
+  before == nullptr ? unsetenv("TMPDIR") : setenv("TMPDIR", kept.c_str(), 1);
+  EXPECT_TRUE(std::filesystem::is_empty(elsewhere.Path()));
 }
 
 // "--Mapper.NAME VALUE" and "--Mapper.NAME arg (=VALUE)" alike.

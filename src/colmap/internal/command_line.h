@@ -26,7 +26,9 @@ class CommandLine {
   std::vector<std::string> arguments_;
 };
 
-// With all that COLMAP stands on held to so many threads, and its log in one file.
+// With all that COLMAP stands on held to so many threads, and what it logs in one file: by itself
+// it leaves a file of Ceres' iterations in the temporary folder at each run, and listens to none of
+// glog's environment variables.
 ProcessRequest ProcessOf(const ColmapInstallation& colmap, const CommandLine& command,
                          const std::filesystem::path& log, int threads);
 
