@@ -2,7 +2,6 @@
 
 #include <spdlog/spdlog.h>
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <iterator>
@@ -39,50 +38,40 @@ std::vector<bool> CheckedByImages(const Odometry& odometry, const EstimatedMotio
   return checked;
 }
 
-// Nothing less than `least` in any direction: what is left of a difference of covariances may be
-// negative.
-Eigen::Matrix3d Floored(const Eigen::Matrix3d& covariance, double least) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(covariance);
-  const Eigen::Matrix3d& turn = axes.eigenvectors();
-  return turn * axes.eigenvalues().cwiseMax(least * least).asDiagonal() * turn.transpose();
+// The motion of a frame's reference in its own axes, as wheels and gyro tell it.
+Rigid3 MotionSince(int reference, int frame, const EstimatedMotion& motion) {
+  return motion.poses[frame].gauge_from_left.Inverse() * motion.poses[reference].gauge_from_left;
 }
 
-// By how much the later pose is known less, in its own axes, as the images bear the sensors out.
-Matrix6d Growth(const EstimatedPose& before, const EstimatedPose& after,
-                const SensorAgreement& agreement) {
+// What sensors know of such a motion, as the images bear them out; images gave them their scale.
+Matrix6d CovarianceSince(int reference, int frame, const EstimatedMotion& motion,
+                         double scale_sigma) {
   constexpr double kLeast_m = 1e-3, kLeast_rad = 1e-4;
-  const Eigen::Matrix3d turn = after.gauge_from_left.rotation.conjugate().toRotationMatrix();
-  const auto grown = [&](int first, const Eigen::Matrix3d& times, double least) -> Eigen::Matrix3d {
-    const Eigen::Matrix3d more =
-        turn * (after.covariance - before.covariance).block<3, 3>(first, first) * turn.transpose();
-    return Floored(times * more * times, least);
-  };
-  const Eigen::Vector3d along =
-      (turn * (after.gauge_from_left.translation - before.gauge_from_left.translation))
-          .stableNormalized();
+  const SensorAgreement& agreement = motion.agreement;
+  const Eigen::Vector3d way = MotionSince(reference, frame, motion).translation;
+  const Eigen::Vector3d along = way.stableNormalized();
   const double aside = std::sqrt(agreement.aside);
-  Matrix6d growth = Matrix6d::Zero();
-  growth.topLeftCorner<3, 3>() =
-      grown(0,
-            aside * Eigen::Matrix3d::Identity() +
-                (std::sqrt(agreement.along) - aside) * along * along.transpose(),
-            kLeast_m);
-  growth.bottomRightCorner<3, 3>() =
-      grown(3, std::sqrt(agreement.turn) * Eigen::Matrix3d::Identity(), kLeast_rad);
-  return growth;
+  Matrix6d times = std::sqrt(agreement.turn) * Matrix6d::Identity();
+  times.topLeftCorner<3, 3>() = aside * Eigen::Matrix3d::Identity() +
+                                (std::sqrt(agreement.along) - aside) * along * along.transpose();
+  Matrix6d covariance = times * motion.poses[frame].since_reference * times;
+  covariance.topLeftCorner<3, 3>() += scale_sigma * scale_sigma * way * way.transpose();
+  covariance.diagonal().head<3>().array() += kLeast_m * kLeast_m;
+  covariance.diagonal().tail<3>().array() += kLeast_rad * kLeast_rad;
+  return covariance;
 }
 
 // Whether the sensors, with the images about it, tell the length of a visual motion at least twice
 // as well as the images alone.
-bool IsKnownBetter(const Odometry& odometry, int i, const EstimatedMotion& motion) {
+bool IsKnownBetter(const Odometry& odometry, int i, const EstimatedMotion& motion,
+                   double scale_sigma) {
   constexpr double kTimes = 2.0;
   const OdometryFrame& frame = odometry[i];
   if (frame.source != PoseSource::kOdometry || frame.reference >= i) return false;
-  const EstimatedPose &from = motion.poses[frame.reference], &to = motion.poses[i];
-  if (!from.is_measured || !to.is_measured) return false;
-  const Matrix6d growth = Growth(from, to, motion.agreement);
+  if (!motion.poses[frame.reference].is_measured || !motion.poses[i].is_measured) return false;
+  const Matrix6d known = CovarianceSince(frame.reference, i, motion, scale_sigma);
   return frame.step_covariance.topLeftCorner<3, 3>().trace() >
-         kTimes * kTimes * growth.topLeftCorner<3, 3>().trace();
+         kTimes * kTimes * known.topLeftCorner<3, 3>().trace();
 }
 
 // Frames that the sensors are to pose, where they can: lost ones, those of `others`, and those that
@@ -126,10 +115,11 @@ std::vector<double> ChancesOfSlip(const EstimatedMotion& motion, const WheelAgre
 // Those lost, those whose visual motion nothing else bears out, and those of which images tell
 // little and wheels that roll alike tell more: of wheels that may slip images tell more yet.
 Choice Choose(const Dataset& dataset, const Odometry& odometry, const std::vector<int>& lost,
-              const EstimatedMotion& motion, double steps, double wheel_radius_m) {
+              const EstimatedMotion& motion, double steps, double wheel_radius_m,
+              double scale_sigma) {
   std::vector<int> better;
   for (int i = 0; i < static_cast<int>(odometry.size()); ++i) {
-    if (IsKnownBetter(odometry, i, motion)) better.push_back(i);
+    if (IsKnownBetter(odometry, i, motion, scale_sigma)) better.push_back(i);
   }
   std::vector<bool> asked = BySensors(odometry, lost, motion.misled, motion);
   for (const auto& more : {better, motion.slips}) {
@@ -149,9 +139,11 @@ Odometry BridgeGaps(const Dataset& dataset, Odometry odometry, const DeadReckoni
   const std::vector<int> lost = LostFrames(odometry);
   const std::vector<VisualStep> visual = VisualSteps(odometry);
   if (visual.empty() || (lost.empty() && !HasSensors(dataset))) return odometry;
+  std::vector<int> references;
+  for (const OdometryFrame& frame : odometry) references.push_back(frame.reference);
   EstimatedMotion motion;
   try {
-    motion = EstimateMotion(dataset, visual, options, filter);
+    motion = EstimateMotion(dataset, visual, options, filter, references);
   } catch (const DataError& error) {
     spdlog::info("wheels and gyro neither check nor bridge the odometry: {}", error.what());
     return odometry;
@@ -171,18 +163,19 @@ Odometry BridgeGaps(const Dataset& dataset, Odometry odometry, const DeadReckoni
                motion.agreement.along, motion.agreement.aside, motion.agreement.turn);
   // In order, so that what hangs on a frame follows it.
   const Odometry before = odometry;
-  const Choice choice =
-      Choose(dataset, before, lost, motion, steps, WheelRadius(dataset.rig, options));
+  const Choice choice = Choose(dataset, before, lost, motion, steps,
+                               WheelRadius(dataset.rig, options), filter.vision_scale_sigma);
   int slipping = 0;
   for (int i = 1; i < static_cast<int>(before.size()); ++i) {
     OdometryFrame& frame = odometry[i];
     if (frame.reference >= i) continue;
     Rigid3 step = OdometricStep(before, frame.reference, i);
     if (choice.by_sensors[i]) {
-      const EstimatedPose &from = motion.poses[frame.reference], &to = motion.poses[i];
-      step = from.gauge_from_left.Inverse() * to.gauge_from_left;
-      frame.step_covariance = Growth(from, to, motion.agreement);
-      const Eigen::Vector3d slipped = filter.burst_slip * step.Inverse().translation;
+      const Rigid3 back = MotionSince(frame.reference, i, motion);
+      step = back.Inverse();
+      frame.step_covariance =
+          CovarianceSince(frame.reference, i, motion, filter.vision_scale_sigma);
+      const Eigen::Vector3d slipped = filter.burst_slip * back.translation;
       frame.step_covariance.topLeftCorner<3, 3>() +=
           choice.chance_of_slip[i] * slipped * slipped.transpose();
       if (choice.chance_of_slip[i] == 1.0) ++slipping;

@@ -11,7 +11,7 @@ namespace rigmap {
 // motion that repeats itself, as sand does, may be found wrongly. The steps of lost frames, and
 // those that wheels and gyro contradict by more than slip explains, become those of the Kalman
 // filter that fuses wheels, gyro and inclinometer with the visual motion before and after
-// (OdometryFrame::bridged), each with the covariance by which it grew in between, and later frames
+// (OdometryFrame::bridged), each with its own covariance, and later frames
 // follow. How well images bear the sensors out on the other steps scales that covariance; where
 // they show the wheels to slip on a share of these, the wheels may slip as often where no image
 // tells; where the six turn unlike each other there, they do. Everything else stays. The odometry

@@ -19,9 +19,11 @@ double SecondsFrom(StampNs from, StampNs to) { return 1e-9 * static_cast<double>
 // Follows the frames of a part from the first to the last.
 class Follower {
  public:
-  Follower(const Dataset& dataset, std::span<const VisualStep> visual, const RoverModel& model)
+  Follower(const Dataset& dataset, std::span<const VisualStep> visual, const RoverModel& model,
+           std::span<const int> references)
       : dataset_(dataset),
         model_(model),
+        references_(references),
         way_(model.filter.use_wheels ? dataset.wheels : WheelRecord{}, dataset.rig, model.options) {
     if (model.filter.use_gyro) gyro_ = dataset.inertial.samples;
     if (model.filter.use_vision) {
@@ -29,10 +31,12 @@ class Follower {
     }
     for (const auto& [to, steps] : steps_) {
       for (const VisualStep& step : steps) {
-        int& last = last_use_.try_emplace(step.from, to).first->second;
-        last = std::max(last, to);
+        KeepUntil(to, step.from);
         ++uses_[step.from];
       }
+    }
+    for (int i = 0; i < static_cast<int>(references.size()); ++i) {
+      if (references[i] < i) KeepUntil(i, references[i]);
     }
     motion_.poses.resize(dataset.frames.size());
   }
@@ -46,6 +50,9 @@ class Follower {
       motion_.poses[i].covariance = smoothed[i].covariance.topLeftCorner<6, 6>();
       if (!steps_.empty()) AddVisualScale(motion_.poses[i]);
     }
+    for (int i = 0; i < static_cast<int>(references_.size()); ++i) {
+      if (references_[i] < i) motion_.poses[i].since_reference = Since(references_[i], smoothed[i]);
+    }
     const Belief& last = smoothed.back();
     motion_.wheel_scale = std::exp(last.rover.values(kWheelScale));
     motion_.wheel_scale_sigma =
@@ -57,6 +64,20 @@ class Follower {
 
  private:
   StampNs StampOf(int frame) const { return dataset_.frames[frame].stamp_ns; }
+
+  void KeepUntil(int frame, int clone) {
+    int& last = last_use_.try_emplace(clone, frame).first->second;
+    last = std::max(last, frame);
+  }
+
+  // What is known of the motion since a frame that is among the clones.
+  static Matrix6d Since(int frame, const Belief& belief) {
+    const auto clone = std::ranges::find(belief.clones, frame, &ClonedPose::frame);
+    const Rigid3 motion = belief.rover.gauge_from_left.Inverse() * clone->gauge_from_left;
+    const Eigen::MatrixXd jacobian =
+        VisualMotionOf(belief, {.from = frame, .to_from_from = motion}, 1.0).jacobian;
+    return jacobian * belief.covariance * jacobian.transpose();
+  }
 
   void Start() {
     Belief belief;
@@ -240,6 +261,7 @@ class Follower {
 
   const Dataset& dataset_;
   const RoverModel& model_;
+  std::span<const int> references_;
   WheelWay way_;
   std::span<const InertialSample> gyro_;
   std::map<int, std::vector<VisualStep>> steps_;  // by the frame they lead to
@@ -254,7 +276,8 @@ class Follower {
 }  // namespace
 
 EstimatedMotion EstimateMotion(const Dataset& dataset, std::span<const VisualStep> visual,
-                               const DeadReckoningOptions& options, const FilterOptions& filter) {
+                               const DeadReckoningOptions& options, const FilterOptions& filter,
+                               std::span<const int> references) {
   if (!dataset.rig.imu_from_left) {
     throw DataError(
         fmt::format("{}: expected imu_from_left, without which nothing that the rover's "
@@ -275,7 +298,7 @@ EstimatedMotion EstimateMotion(const Dataset& dataset, std::span<const VisualSte
   }
   const RoverModel model{*dataset.rig.imu_from_left, ContactInImu(dataset.rig, options), options,
                          filter};
-  return Follower(dataset, visual, model).Follow();
+  return Follower(dataset, visual, model, references).Follow();
 }
 
 }  // namespace rigmap

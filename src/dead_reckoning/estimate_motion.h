@@ -33,6 +33,9 @@ struct EstimatedPose {
   Rigid3 gauge_from_left;  // gauge: the left camera of the first frame
   // Of its position (m) and rotation (rad, exp(error) * estimated), gauge axes.
   Matrix6d covariance = Matrix6d::Zero();
+  // Of left_from_reference's motion, as a left perturbation like a VisualStep's; of the wheels and
+  // the gyro alone, without what the scale of visual motion adds. Zero where no reference is given.
+  Matrix6d since_reference = Matrix6d::Zero();
   bool is_measured = true;  // by images, or by wheels and gyro all the way from the frame before
 };
 
@@ -56,10 +59,13 @@ struct EstimatedMotion {
 // Share of the visual steps that may be misled; more, and it is the sensors that err.
 inline constexpr double kMostMisled = 0.2;
 
-// Of all frames. `visual` may be empty, in any order. A DataError says in one sentence why it
-// cannot be done: the rig does not state its IMU, or a sensor that is to be used has no samples, a
-// gap (without `visual` only) or a problem.
+// Of all frames. `visual` may be empty, in any order. `references` name for each frame an earlier
+// one, or itself for none, since when its motion is asked for; empty for none at all: the poses of
+// both are off together, so that their own covariances do not tell it. A DataError says in one
+// sentence why it cannot be done: the rig does not state its IMU, or a sensor that is to be used
+// has no samples, a gap (without `visual` only) or a problem.
 EstimatedMotion EstimateMotion(const Dataset& dataset, std::span<const VisualStep> visual,
-                               const DeadReckoningOptions& options, const FilterOptions& filter);
+                               const DeadReckoningOptions& options, const FilterOptions& filter,
+                               std::span<const int> references = {});
 
 }  // namespace rigmap

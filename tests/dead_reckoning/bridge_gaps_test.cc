@@ -15,18 +15,18 @@ constexpr int kFrames = 30;
 
 Drive Curve(double) { return {0.2, 0.15}; }
 
-// An odometry that is right but for frames 12 to 15, where it carried the motion straight on and
-// began anew.
-Odometry LostOnTheWay(const DrivenRover& rover) {
+// An odometry that is right but for four frames, where it carried the motion straight on and began
+// anew.
+Odometry LostOnTheWay(const DrivenRover& rover, int first_lost = 12) {
   Odometry odometry;
-  for (int i = 0; i < kFrames; ++i) {
+  for (int i = 0; i < std::ssize(rover.dataset.frames); ++i) {
     OdometryFrame frame{.stamp_ns = rover.dataset.frames[i].stamp_ns,
                         .reference = std::max(0, i - 1),
                         .source = PoseSource::kOdometry,
                         .keyframe = true};
     frame.step_covariance.diagonal() << 1e-6, 1e-6, 1e-6, 1e-8, 1e-8, 1e-8;
     if (i > 0) {
-      const bool is_lost = i >= 12 && i < 16;
+      const bool is_lost = i >= first_lost && i < first_lost + 4;
       const Rigid3 step = is_lost
                               ? Rigid3{Eigen::Quaterniond::Identity(), {0.0, 0.0, 0.1}}
                               : rover.gauge_from_left[i - 1].Inverse() * rover.gauge_from_left[i];
@@ -180,6 +180,23 @@ TEST_F(BridgeGapsTest, WheelsThatSlipMayAsWellWhereNoImageTells) {
   // Two of 25 steps: 0.28 of the 0.2 m.
   EXPECT_GT(along(slipping), 0.05);
   EXPECT_LT(along(lost), 0.02);
+}
+
+// 16 m out, a turn on the spot, and back: poses near the end are known better than those half way.
+TEST(BridgeGaps, KnowsAStepAsWellOnTheWayHomeAsOnTheWayOut) {
+  const DrivenRover rover = DriveRover(91, [](double time_s) {
+    if (time_s < 40.0 || time_s >= 50.0) return Drive{0.4, 0.0};
+    return Drive{0.0, 0.1 * M_PI};
+  });
+  const auto sigmas = [&](int first_lost) -> Eigen::Vector3d {
+    const Odometry bridged =
+        BridgeGaps(rover.dataset, LostOnTheWay(rover, first_lost), WithoutSlip(), {});
+    EXPECT_TRUE(bridged[first_lost + 1].bridged);
+    return bridged[first_lost + 1].step_covariance.diagonal().head<3>().cwiseSqrt();
+  };
+  const Eigen::Vector3d out = sigmas(34), home = sigmas(56);
+  EXPECT_NEAR(home.z() / out.z(), 1.0, 0.1);  // along the way
+  EXPECT_NEAR(home.x() / out.x(), 1.0, 0.3);
 }
 
 class WheelsInAGap : public testing::TestWithParam<std::function<Drive(double)>> {
