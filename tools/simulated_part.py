@@ -48,6 +48,18 @@ def simulate(part, folder, build):
     note.write_text(' '.join(part.request()))
 
 
+def known_result(path, asked):
+    """What an earlier run found, if it was asked the same; else nothing."""
+    if not path.exists():
+        return None
+    known = json.loads(path.read_text())
+    return known.get('found') if known.get('asked') == asked else None
+
+
+def keep_result(path, asked, found):
+    path.write_text(json.dumps({'asked': asked, 'found': found}))
+
+
 def write_rig(part, folder, build):
     """The rig file that the part's errors make of the rig as it is."""
     run_simulator(build, part.request() + ['--rig-only', '--out', folder])

@@ -19,13 +19,15 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr const char* kUnfinished = ".new";  // what is not whole yet ends with
+
 // A result of the same part to begin from: one by the same technique, else any.
 std::optional<fs::path> FindDonor(const ComparisonRun& run) {
   std::optional<fs::path> donor;
   const fs::path part = run.Out().parent_path().parent_path();
   for (const fs::path& label : FoldersIn(part)) {
     for (const fs::path& folder : FoldersIn(label)) {
-      if (!MarkIn(folder)) continue;
+      if (!MarkIn(folder) || folder.extension() == kUnfinished) continue;
       const bool alike = label.filename().string().starts_with(run.name.technique);
       if (!donor || alike) donor = folder;
       if (alike) return donor;
@@ -46,7 +48,7 @@ void ShareStages(const fs::path& from, const fs::path& to) {
 // What another run of the part has found need not be found again: a new run begins with its stages,
 // and takes up those that hold for it, with the time that they took when they were made.
 void BeginWithStagesOf(const fs::path& donor, const fs::path& out) {
-  const fs::path whole = out.string() + ".new";
+  const fs::path whole = out.string() + kUnfinished;
   fs::remove_all(whole);
   fs::create_directories(whole);
   constexpr auto kCopy = fs::copy_options::recursive | fs::copy_options::copy_symlinks;

@@ -193,7 +193,7 @@ Json MedianOfGroup(const std::vector<const Json*>& rows, const std::vector<std::
       continue;
     }
     const auto [least, most] = std::ranges::minmax(numbers);
-    medians[column] = {{"median", Median(std::move(numbers))}, {"spread", most - least}};
+    medians[column] = {{"median", InterpolatedQuantile(numbers, 0.5)}, {"spread", most - least}};
   }
   return medians;
 }

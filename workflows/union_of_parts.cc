@@ -150,11 +150,9 @@ class Uniter {
       const Dataset& own = part.input.dataset;
       Append(own.lone_images, d.lone_images);
       Append(own.inclinometer, d.inclinometer);
-      Append(own.wheels.samples, d.wheels.samples);
-      Append(own.inertial.samples, d.inertial.samples);
+      AppendRecord(own.wheels, d.wheels);
+      AppendRecord(own.inertial, d.inertial);
       Append(own.fixes, d.fixes);
-      if (!own.wheels.problem.empty()) d.wheels.problem = own.wheels.problem;
-      if (!own.inertial.problem.empty()) d.inertial.problem = own.inertial.problem;
       if (d.surveyed_landmarks.empty()) d.surveyed_landmarks = own.surveyed_landmarks;
     }
     InOrder(d.lone_images);

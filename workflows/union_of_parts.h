@@ -29,6 +29,18 @@ struct UnionOfParts {
 // that they share.
 UnionOfParts UniteParts(const std::vector<PartFolder>& folders, const std::filesystem::path& out);
 
+// Adds a part's record of a sensor to those of the parts before. One that cannot be used is no harm
+// to the others: what it lacks is a gap.
+template <class Record>
+void AppendRecord(const Record& from, Record& to) {
+  if (!from.problem.empty()) {
+    if (to.samples.empty()) to.problem = from.problem;
+    return;
+  }
+  to.samples.insert(to.samples.end(), from.samples.begin(), from.samples.end());
+  if (!to.samples.empty()) to.problem.clear();
+}
+
 // Of parts' names and remarks: what all of them remark once, anything else with the part.
 std::vector<std::string> RemarksOfParts(
     const std::vector<std::pair<std::string, std::vector<std::string>>>& parts);

@@ -3,10 +3,13 @@
 //   images/NAME                             undistorted views
 //   sparse/                                 their cameras, poses and points (colmap/model_io.h)
 //   stereo/depth_maps/NAME.geometric.bin    float32, z in camera axes; 0: unknown
-//   stereo/normal_maps/NAME.geometric.bin   three float32, camera axes, towards the camera; 0:
-//   unknown stereo/consistency_graphs/              empty stereo/fusion.cfg                       a
-//   NAME a line stereo/patch-match.cfg                  of each NAME two lines: itself, "__auto__,
-//   20"
+//   stereo/normal_maps/NAME.geometric.bin   three float32, towards the camera; 0: unknown
+//
+//   stereo/consistency_graphs/              empty
+//
+//   stereo/fusion.cfg                       a NAME a line
+//
+//   stereo/patch-match.cfg                  of each NAME two lines: itself, "__auto__, 20"
 //
 // A .bin is "WIDTH&HEIGHT&CHANNELS&" and then the values, little endian, row by row, a channel
 // after the other. Its pixels are those of the image.

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstdint>
 #include <optional>
 #include <vector>
 
@@ -12,14 +13,16 @@ namespace rigmap {
 struct FixBesideTwoPaths {
   Eigen::Vector2d from_first = Eigen::Vector2d::Zero();
   Eigen::Vector2d from_second = Eigen::Vector2d::Zero();
-  double sigma_m = 0.0;  // per axis, as stated
+  double sigma_m = 0.0;   // per axis, as stated
+  std::int64_t turn = 0;  // of the same stretch of time: what their noise has in common counts once
 };
 
 struct FixJudgement {
   double first_m = 0.0, second_m = 0.0;  // root mean squares of the distances
   // By how much squared distances are smaller beside the second path, in sigmas of what the noise
   // of the fixes makes of it by chance: 0 for equal paths. Noise is as stated or as large as the
-  // distances from the second path, where these are larger.
+  // distances from the second path, where these are larger, and of fixes of the same turn as much
+  // alike as these distances are.
   double gain_sigmas = 0.0;
 };
 

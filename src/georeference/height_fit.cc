@@ -25,6 +25,22 @@ std::vector<HeightPair> WithoutOutliers(std::span<const HeightPair> pairs) {
   return used;
 }
 
+// By how much a mean of them is less certain than if each erred by itself: a receiver's height
+// wanders over minutes, so that fixes one after the other say nearly the same (a first-order
+// autoregression).
+double InflationByNeighbours(const HeightFit& fit) {
+  constexpr double kMostAlike = 0.95;
+  double products = 0.0, squares = 0.0;
+  for (std::size_t i = 0; i < fit.used.size(); ++i) {
+    const double residual_m = fit.used[i].rise_m - fit.rise_m;
+    squares += residual_m * residual_m;
+    if (i > 0) products += residual_m * (fit.used[i - 1].rise_m - fit.rise_m);
+  }
+  if (!(squares > 0.0)) return 1.0;
+  const double alike = std::clamp(products / squares, 0.0, kMostAlike);
+  return std::sqrt((1.0 + alike) / (1.0 - alike));
+}
+
 // The rises as a plane over the path's own axes; nothing where they do not determine it.
 void CheckTilt(HeightFit& fit) {
   const auto count = static_cast<double>(fit.used.size());
@@ -87,7 +103,8 @@ HeightFit FitHeight(std::span<const HeightPair> pairs) {
   }
   const auto count = static_cast<double>(fit.used.size());
   fit.rms_m = std::sqrt(squares / count);
-  fit.sigma_m = std::sqrt(std::max(1.0, chi2 / std::max(1.0, count - 1.0)) / weights);
+  fit.sigma_m = InflationByNeighbours(fit) *
+                std::sqrt(std::max(1.0, chi2 / std::max(1.0, count - 1.0)) / weights);
   CheckTilt(fit);
   return fit;
 }

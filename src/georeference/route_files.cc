@@ -6,8 +6,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <nlohmann/json.hpp>
 #include <numbers>
 #include <vector>
+
+#include "core/json_text.h"
 
 namespace rigmap {
 namespace {
@@ -92,7 +95,9 @@ std::string RouteFeature(const Route& route, const std::vector<Geodetic>& positi
   std::string properties =
       fmt::format(R"("kind":"route","position_sigma_m":{:.4g},"height_sigma_m":{:.4g})",
                   route.position_sigma_m, route.height_sigma_m);
-  if (!route.warning.empty()) properties += fmt::format(R"(,"verdict":"{}")", route.warning);
+  if (!route.warning.empty()) {
+    properties += R"(,"verdict":)" + JsonText(nlohmann::json(route.warning));
+  }
   auto lines = Lines(positions);
   // A line has two positions at least.
   for (auto& line : lines) {

@@ -62,8 +62,8 @@ RtkAlignment ToAlignment(const PathFit& path_fit, const Geodetic& origin) {
 }
 
 RtkFit FitMotionAndClock(const PathFitter& fitter, const Geodetic& origin,
-                         const RtkAlignmentOptions& options) {
-  if (options.max_clock_offset_s > 0.0) {
+                         const RtkAlignmentOptions& options, bool is_clock_sought) {
+  if (is_clock_sought) {
     const double start_s = fitter.BestOffset(options.max_clock_offset_s, kMinFixesForClock);
     const PathFit path_fit = fitter.Refine(start_s, true);
     if (IsClockDetermined(path_fit, options)) {
@@ -85,8 +85,9 @@ RtkFit FitMotionAndClock(const PathFitter& fitter, const Geodetic& origin,
                         "few fixes, too short a path, or a path unlike theirs",
                         options.max_place_sigma_m, sigma_m)};
   }
-  RtkFit fit{ToAlignment(held, origin),
-             "the clock offset of the RTK fixes is not determined by this path and held at 0"};
+  RtkFit fit{ToAlignment(held, origin), ""};
+  if (options.max_clock_offset_s == 0.0) return fit;
+  fit.why = "the clock offset of the RTK fixes is not determined by this path and held at 0";
   fit.alignment->unknown_clock_sigma_m = options.unknown_clock_sigma_s * RmsSpeed(held.used);
   return fit;
 }
@@ -108,6 +109,37 @@ std::optional<Geodetic> MiddleOf(std::span<const GnssFix> fixes) {
   }
   if (latitudes_deg.empty()) return std::nullopt;
   return Geodetic{Median(latitudes_deg), Median(longitudes_deg), Median(altitudes_m)};
+}
+
+RtkFit Align(std::span<const GnssFix> fixes, const Trajectory& trajectory,
+             const Eigen::Vector3d& antenna_in_left, const RtkAlignmentOptions& options,
+             bool is_clock_sought) {
+  RequireValid(options);
+  const AntennaPath path(trajectory, antenna_in_left, options.max_gap_s);
+  const auto origin = MiddleOf(fixes);
+  if (path.IsEmpty() || !origin) {
+    return {std::nullopt, "expected RTK fixes and a path, found none"};
+  }
+  const LocalFrame plane(*origin);
+  std::vector<PlaneFix> fixes_in_plane;
+  std::vector<double> others_s;
+  for (const GnssFix& fix : fixes) {
+    const double time_s = path.SecondsOf(fix.stamp_ns);
+    if (fix.status != kRtkFixed) {
+      others_s.push_back(time_s);
+      continue;
+    }
+    const Eigen::Vector3d enu = plane.ToEnu({fix.latitude_deg, fix.longitude_deg, fix.altitude_m});
+    fixes_in_plane.push_back(
+        {time_s, enu.head<2>(), fix.sigma_enu_m.head<2>().cwiseMax(kMinSigma_m)});
+  }
+  RtkFit fit = FitMotionAndClock(PathFitter(path, std::move(fixes_in_plane)), *origin, options,
+                                 is_clock_sought);
+  if (!fit.alignment) return fit;
+  fit.alignment->rejected += static_cast<int>(std::ranges::count_if(others_s, [&](double time_s) {
+    return path.At(time_s - fit.alignment->clock_offset_s).has_value();
+  }));
+  return fit;
 }
 
 }  // namespace
@@ -139,31 +171,7 @@ double RtkAlignment::SigmaAt(const Eigen::Vector2d& x_in_world) const {
 
 RtkFit AlignToRtk(std::span<const GnssFix> fixes, const Trajectory& trajectory,
                   const Eigen::Vector3d& antenna_in_left, const RtkAlignmentOptions& options) {
-  RequireValid(options);
-  const AntennaPath path(trajectory, antenna_in_left, options.max_gap_s);
-  const auto origin = MiddleOf(fixes);
-  if (path.IsEmpty() || !origin) {
-    return {std::nullopt, "expected RTK fixes and a path, found none"};
-  }
-  const LocalFrame plane(*origin);
-  std::vector<PlaneFix> fixes_in_plane;
-  std::vector<double> others_s;
-  for (const GnssFix& fix : fixes) {
-    const double time_s = path.SecondsOf(fix.stamp_ns);
-    if (fix.status != kRtkFixed) {
-      others_s.push_back(time_s);
-      continue;
-    }
-    const Eigen::Vector3d enu = plane.ToEnu({fix.latitude_deg, fix.longitude_deg, fix.altitude_m});
-    fixes_in_plane.push_back(
-        {time_s, enu.head<2>(), fix.sigma_enu_m.head<2>().cwiseMax(kMinSigma_m)});
-  }
-  RtkFit fit = FitMotionAndClock(PathFitter(path, std::move(fixes_in_plane)), *origin, options);
-  if (!fit.alignment) return fit;
-  fit.alignment->rejected += static_cast<int>(std::ranges::count_if(others_s, [&](double time_s) {
-    return path.At(time_s - fit.alignment->clock_offset_s).has_value();
-  }));
-  return fit;
+  return Align(fixes, trajectory, antenna_in_left, options, options.max_clock_offset_s > 0.0);
 }
 
 RtkFit AlignToRtkWeakly(std::span<const GnssFix> fixes, const Trajectory& trajectory,
@@ -172,9 +180,8 @@ RtkFit AlignToRtkWeakly(std::span<const GnssFix> fixes, const Trajectory& trajec
   RtkFit fit = AlignToRtk(fixes, trajectory, antenna_in_left, options);
   if (fit.alignment) return fit;
   RtkAlignmentOptions less = options;
-  less.max_clock_offset_s = 0.0;
   less.max_place_sigma_m = std::max(max_place_sigma_m, options.max_place_sigma_m);
-  fit.alignment = AlignToRtk(fixes, trajectory, antenna_in_left, less).alignment;
+  fit.alignment = Align(fixes, trajectory, antenna_in_left, less, false).alignment;
   fit.is_weak = fit.alignment.has_value();
   return fit;
 }

@@ -31,8 +31,8 @@ struct RtkAlignment {
   Geodetic plane_origin;
   Rigid2 plane_from_world;
   // Stamp of a fix minus the stamp that the images' clock gives to the same moment. Without a sigma
-  // it is not determined and held at 0: along a line or circle driven at constant speed it cannot
-  // be told from a motion of the plane.
+  // it is held at 0, being exact or not determined: along a line or circle driven at constant speed
+  // it cannot be told from a motion of the plane.
   double clock_offset_s = 0.0;
   std::optional<double> clock_offset_sigma_s;
   // Horizontal distance of the used fixes from the path laid on them: of the fit, no score.
@@ -53,7 +53,7 @@ struct RtkAlignment {
 
 struct RtkFit {
   std::optional<RtkAlignment> alignment;
-  // Where there is none, or its clock offset is held: why, a sentence.
+  // Where there is none, or its clock offset is held and not exact: why, a sentence.
   std::string why;
   bool is_weak = false;  // AlignToRtkWeakly gave what AlignToRtk would not
 };
@@ -65,10 +65,9 @@ struct RtkFit {
 RtkFit AlignToRtk(std::span<const GnssFix> fixes, const Trajectory& trajectory,
                   const Eigen::Vector3d& antenna_in_left, const RtkAlignmentOptions& options = {});
 
-// The same or, where it gives none, with less asked of it: the clock held at 0 as if exact, a place
-// known to `max_place_sigma_m`. `why` says then why AlignToRtk gives
-// none. For what has to be laid
-// on fixes though it may stray from them.
+// The same or, where it gives none, with less asked of it: the clock held at 0, a place known to
+// `max_place_sigma_m`. `why` says then why AlignToRtk gives none. For what has to be laid on fixes
+// though it may stray from them.
 RtkFit AlignToRtkWeakly(std::span<const GnssFix> fixes, const Trajectory& trajectory,
                         const Eigen::Vector3d& antenna_in_left, const RtkAlignmentOptions& options,
                         double max_place_sigma_m);

@@ -41,10 +41,10 @@ cv::Mat ReadGrey(const std::string& path, const Camera& camera, int sample_bits 
 // CV_8UC3, BGR; grey files give grey.
 cv::Mat ReadColour(const std::string& path, const Camera& camera, int sample_bits = 16);
 
-// How many bits the values of a 16 bit file need: 16, or 12 where none exceeds 4095, as in those of
-// a 12 bit sensor and in dark ones of 16 bit: one file does not tell which. Nothing for 8 bit
-// files, known from the header alone, and for what cannot be decoded or is not of the camera's
-// size. Thread-safe.
+// How many bits the values of a 16 bit file need, 10, 12, 14 or 16: 12 where none exceeds 4095, as
+// in those of a 12 bit sensor and in dark ones of 16 bit: one file does not tell which. Nothing for
+// 8 bit files, known from the header alone, and for what cannot be decoded or is not of the
+// camera's size. Thread-safe.
 std::optional<int> SampleBitsNeeded(const std::string& path, const Camera& camera);
 
 // A whole file in the format of the path's extension, in place at once. Throws DataError when it

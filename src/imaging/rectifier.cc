@@ -90,7 +90,7 @@ std::pair<double, int> PrincipalAndLength(double own, double low, double high) {
 
 }  // namespace
 
-Rectifier::Rectifier(const StereoRig& rig) {
+Rectifier::Rectifier(const StereoRig& rig) : left_eye_(rig.left) {
   const RectifiedAxes axes = Rectify(rig.right_from_left);
   left_from_rectified_ = axes.rectified_from_left.conjugate();
   baseline_m_ = axes.baseline_m;
@@ -114,6 +114,13 @@ Rectifier::Rectifier(const StereoRig& rig) {
 
   left_ = MakeMaps(rig.left, left_from_rectified_);
   right_ = MakeMaps(rig.right, axes.rectified_from_right.conjugate());
+}
+
+std::optional<Eigen::Vector2d> Rectifier::RectifiedLeft(const Eigen::Vector2d& pixel) const {
+  const auto ray = RectifiedRay(left_eye_, left_from_rectified_.conjugate(), pixel);
+  if (!ray) return std::nullopt;
+  const auto rectified = Project(camera_, ray->homogeneous());
+  return rectified && camera_.Contains(*rectified) ? rectified : std::nullopt;
 }
 
 Rectifier::Maps Rectifier::MakeMaps(const RigEye& eye,

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <opencv2/core.hpp>
+#include <optional>
 
 #include "geometry/rectification.h"
 #include "scene/rig.h"
@@ -36,6 +37,10 @@ class Rectifier {
   cv::Mat RectifyLeftMask(const cv::Mat& mask) const;
   cv::Mat RectifyRightMask(const cv::Mat& mask) const;
 
+  // Where the view shows what a pixel of the left image does; nothing outside the view, and where
+  // the calibration has no inverse.
+  std::optional<Eigen::Vector2d> RectifiedLeft(const Eigen::Vector2d& pixel) const;
+
   const Camera& RectifiedCamera() const { return camera_; }
   const Eigen::Quaterniond& LeftFromRectified() const { return left_from_rectified_; }
   double BaselineM() const { return baseline_m_; }
@@ -46,6 +51,7 @@ class Rectifier {
   };
   Maps MakeMaps(const RigEye& eye, const Eigen::Quaterniond& eye_from_rectified) const;
 
+  RigEye left_eye_;
   Camera camera_;
   Eigen::Quaterniond left_from_rectified_;
   double baseline_m_ = 0.0;

@@ -51,7 +51,7 @@ std::size_t MatchFreeCameras(const ColmapInstallation& colmap, const Dataset& da
                              int threads);
 
 // Models in `models`/0, 1, ..., largest first, whose images name the dataset's frames. A remark
-// instead where COLMAP makes none in time; throws ToolError where it cannot be run.
+// instead where COLMAP makes none, in time or at all.
 MappingResult MapFreeCameras(const ColmapInstallation& colmap, const FreeCameraPaths& paths,
                              const std::filesystem::path& models, const FreeMappingOptions& options,
                              std::size_t frame_count, int threads);

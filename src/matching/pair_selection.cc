@@ -1,5 +1,7 @@
 #include "matching/internal/pair_selection.h"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 
 namespace rigmap {
@@ -14,6 +16,25 @@ double Overlap(const std::vector<Eigen::Vector3d>& points, const Rigid3& other_f
     return pixel && camera.Contains(*pixel);
   });
   return static_cast<double>(seen) / static_cast<double>(points.size());
+}
+
+// Keyframes before the k-th that see most of the same ground, beyond its neighbours; best first.
+std::vector<int> ClosuresOf(int k, const std::vector<int>& keyframes, const Odometry& odometry,
+                            const std::vector<std::vector<Eigen::Vector3d>>& sample_points,
+                            const Camera& camera, const MatchingOptions& options) {
+  const int b = keyframes[k];
+  std::vector<std::pair<double, int>> candidates;
+  for (int earlier = 0; earlier < k - options.neighbours; ++earlier) {
+    const int a = keyframes[earlier];
+    const Rigid3 a_from_b = odometry[a].world_from_left.Inverse() * odometry[b].world_from_left;
+    const double overlap = Overlap(sample_points[b], a_from_b, camera);
+    if (overlap >= options.min_overlap) candidates.emplace_back(-overlap, a);
+  }
+  std::ranges::sort(candidates);
+  candidates.resize(std::min<std::size_t>(candidates.size(), std::max(0, options.max_revisits)));
+  std::vector<int> closures;
+  for (const auto& [overlap, a] : candidates) closures.push_back(a);
+  return closures;
 }
 
 }  // namespace
@@ -52,25 +73,18 @@ std::vector<CandidatePair> SelectPairs(
     const Odometry& odometry, const std::vector<std::vector<Eigen::Vector3d>>& sample_points,
     const StereoRig& rig, const MatchingOptions& options) {
   const std::vector<int> keyframes = Keyframes(odometry);
+  std::vector<std::vector<int>> closures(keyframes.size());
+  tbb::parallel_for(std::size_t{0}, keyframes.size(), [&](std::size_t k) {
+    closures[k] = ClosuresOf(static_cast<int>(k), keyframes, odometry, sample_points,
+                             rig.left.camera, options);
+  });
   std::vector<CandidatePair> pairs;
   for (int k = 0; k < static_cast<int>(keyframes.size()); ++k) {
     const int b = keyframes[k];
-    std::vector<std::pair<double, int>> loop_candidates;
-    for (int earlier = k - 1; earlier >= 0; --earlier) {
-      const int a = keyframes[earlier];
-      if (k - earlier <= options.neighbours) {
-        pairs.push_back({a, b, false});
-        continue;
-      }
-      const Rigid3 a_from_b = odometry[a].world_from_left.Inverse() * odometry[b].world_from_left;
-      const double overlap = Overlap(sample_points[b], a_from_b, rig.left.camera);
-      if (overlap >= options.min_overlap) loop_candidates.emplace_back(-overlap, a);
+    for (int earlier = k - 1; earlier >= std::max(0, k - options.neighbours); --earlier) {
+      pairs.push_back({keyframes[earlier], b, false});
     }
-    std::sort(loop_candidates.begin(), loop_candidates.end());
-    for (std::size_t i = 0;
-         i < loop_candidates.size() && static_cast<int>(i) < options.max_revisits; ++i) {
-      pairs.push_back({loop_candidates[i].second, b, true});
-    }
+    for (const int a : closures[k]) pairs.push_back({a, b, true});
     for (int frame = k > 0 ? keyframes[k - 1] + 1 : 0; frame < b; ++frame) {
       if (k > 0) pairs.push_back({keyframes[k - 1], frame, false});
       pairs.push_back({frame, b, false});

@@ -53,10 +53,11 @@ struct FusedFixes {
 // those predicted are as loose as they say,
 // and no fix lies beside them. Heading, inclination, origin and scale are solved with all poses;
 // the first measured pose is held in its world, which only fixes tie to the Earth. Fixes pull under
-// Cauchy's loss first; those further off than four sigmas are then left out (Ceres, one thread:
-// equal input gives equal output). `poses` has two or more. Nothing where fewer than four fixes lie
-// between measured poses, fewer than two thirds of them are believed, or the search does not
-// settle.
+// Cauchy's loss first; those further off than noise has them once in 16 000 are then left out, anew
+// until it stays the same
+// (Ceres, one thread: equal input gives equal output). `poses` has two or more. Nothing where fewer
+// than four fixes lie between measured poses, fewer than two thirds of them are believed, or the
+// search does not settle.
 std::optional<FusedFixes> FuseFixes(const Trajectory& poses, const std::vector<AntennaFix>& fixes,
                                     const FixFusion& fusion);
 

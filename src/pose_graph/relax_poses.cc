@@ -105,15 +105,16 @@ std::vector<std::optional<Rigid3>> RelaxGroups(
 std::vector<LoopClosure> TakeContradicted(const std::vector<std::optional<Rigid3>>& world_from_left,
                                           const Odometry& odometry,
                                           std::vector<LoopClosure>& loop_closures) {
-  std::vector<LoopClosure> contradicted;
-  std::erase_if(loop_closures, [&](const LoopClosure& loop_closure) {
-    const PoseGraph graph = BuildPartGraph(world_from_left, odometry, {loop_closure}).graph;
-    const bool is_off = std::ranges::any_of(graph.edges, [&](const PoseEdge& edge) {
-      return IsClosure(edge) && !(ErrorSigmas(edge, graph) <= kMaxSigmas);
-    });
-    if (is_off) contradicted.push_back(loop_closure);
-    return is_off;
-  });
+  const PartGraph part = BuildPartGraph(world_from_left, odometry, loop_closures);
+  std::vector<LoopClosure> contradicted, believed;
+  auto edge =
+      std::ranges::find_if(part.graph.edges, IsClosure);  // one for each that has both poses
+  for (LoopClosure& loop_closure : loop_closures) {
+    const bool has_edge = world_from_left[loop_closure.a] && world_from_left[loop_closure.b];
+    const bool is_off = has_edge && !(ErrorSigmas(*edge++, part.graph) <= kMaxSigmas);
+    (is_off ? contradicted : believed).push_back(std::move(loop_closure));
+  }
+  loop_closures = std::move(believed);
   return contradicted;
 }
 

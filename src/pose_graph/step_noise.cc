@@ -85,13 +85,13 @@ Variances Spread(double variance, std::size_t first, std::size_t worst, const Va
 // all axes together. Each turn moves the end in two directions, by its distance from it.
 double ExplainedSquare(const Trajectory& poses, std::size_t first, std::size_t worst,
                        const Variances& radians, double scale_sigma) {
-  double square = 0.0, to_worst_m = 0.0;
-  for (std::size_t i = worst; i > first; --i) {
-    square += 2.0 * radians[i] * to_worst_m * to_worst_m;
-    to_worst_m +=
-        (poses[i].world_from_left.translation - poses[i - 1].world_from_left.translation).norm();
-  }
-  return square + scale_sigma * scale_sigma * to_worst_m * to_worst_m;
+  const auto to_worst_m = [&](std::size_t i) {
+    return (poses[worst].world_from_left.translation - poses[i].world_from_left.translation).norm();
+  };
+  double square = std::pow(scale_sigma * to_worst_m(first), 2);
+  for (std::size_t i = first + 1; i <= worst; ++i)
+    square += 2.0 * radians[i] * std::pow(to_worst_m(i), 2);
+  return square;
 }
 
 }  // namespace

@@ -28,6 +28,20 @@ void ForEachFinite(const std::filesystem::path& ply,
   }
 }
 
+// The size of the finest points where all are coarser than a cell, else that of a cell: usually
+// known from the first block.
+double FinestGrain(const GriddedCloud& cloud) {
+  double finest_m = std::numeric_limits<double>::infinity();
+  PlyReader reader(cloud.ply);
+  PointCloud block;
+  while (finest_m > cloud.cell_m && reader.Read(block)) {
+    for (const SurfacePoint& point : block) {
+      if (point.x_in_world.allFinite()) finest_m = std::min<double>(finest_m, point.grain_m);
+    }
+  }
+  return std::max(finest_m, cloud.cell_m);
+}
+
 }  // namespace
 
 int CellFrame::Column(double x_m) const { return static_cast<int>(TileAlong(x_m, cell_m) - west); }
@@ -45,11 +59,7 @@ void GriddedCloud::Validate() const {
 }
 
 void ForEachShown(const GriddedCloud& cloud, const std::function<void(const SurfacePoint&)>& take) {
-  double finest_m = std::numeric_limits<double>::infinity();
-  ForEachFinite(cloud.ply, [&](const SurfacePoint& point) {
-    finest_m = std::min<double>(finest_m, point.grain_m);
-  });
-  const double most_m = kMostCells * std::max(cloud.cell_m, finest_m);
+  const double most_m = kMostCells * FinestGrain(cloud);
   ForEachFinite(cloud.ply, [&](const SurfacePoint& point) {
     if (!point.IsCoarserThan(most_m)) take(point);
   });

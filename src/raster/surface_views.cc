@@ -5,12 +5,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <opencv2/imgcodecs.hpp>
 #include <string>
 
 #include "core/error.h"
-#include "core/file.h"
 #include "export/ply_reader.h"
+#include "imaging/image.h"
 #include "raster/fill_pinholes.h"
 #include "raster/internal/picture_frame.h"
 #include "raster/internal/relief_shading.h"
@@ -236,17 +235,6 @@ cv::Mat3b Picture(const GriddedCloud& cloud, const View& view, const SurfaceGrid
   return canvas.picture;
 }
 
-void WritePng(const cv::Mat3b& picture, const fs::path& path) {
-  std::vector<std::uint8_t> bytes;
-  if (!cv::imencode(".png", picture, bytes)) {
-    throw DataError(fmt::format("{}: cannot encode the picture", path.string()));
-  }
-  WriteFileAtomically(path, [&](std::ostream& stream) {
-    stream.write(reinterpret_cast<const char*>(bytes.data()),
-                 static_cast<std::streamsize>(bytes.size()));
-  });
-}
-
 }  // namespace
 
 void WriteSurfaceViews(const GriddedCloud& cloud, const Trajectory& trajectory,
@@ -264,8 +252,8 @@ void WriteSurfaceViews(const GriddedCloud& cloud, const Trajectory& trajectory,
   }
   const auto plumb_lines = PlumbLines(views[0], surfaces[0], trajectory);
   for (std::size_t i = 0; i < views.size(); ++i) {
-    WritePng(Picture(cloud, views[i], surfaces[i], trajectory, plumb_lines),
-             folder / views[i].name);
+    WriteImage(folder / views[i].name,
+               Picture(cloud, views[i], surfaces[i], trajectory, plumb_lines));
   }
 }
 

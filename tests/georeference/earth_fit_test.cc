@@ -173,6 +173,25 @@ TEST(HeightFit, TellsTiltsAlongTheWayDrivenAndToItsLeft) {
   }
 }
 
+// Each height much like the one before, as a receiver's are.
+TEST(HeightFit, HeightsThatWanderAreKnownLess) {
+  constexpr int kTrials = 300, kFixes = 80;
+  constexpr double kAlike = 0.8, kSigma_m = 0.01;
+  SeededRandom random;
+  double squares = 0.0;
+  for (int trial = 0; trial < kTrials; ++trial) {
+    std::vector<HeightPair> pairs;
+    double off_m = random.Normal(kSigma_m);
+    for (int i = 0; i < kFixes; ++i) {
+      off_m = kAlike * off_m + random.Normal(kSigma_m * std::sqrt(1.0 - kAlike * kAlike));
+      pairs.push_back({{0.5 * i, 0.0}, off_m, kSigma_m});
+    }
+    const HeightFit fit = FitHeight(pairs);
+    squares += std::pow(fit.rise_m / fit.sigma_m, 2.0) / kTrials;
+  }
+  EXPECT_LT(std::sqrt(squares), 1.4);  // 2.9 if each counts by itself
+}
+
 TEST(HeightFit, LeavesOutWhatIsFarOff) {
   SeededRandom random;
   std::vector<HeightPair> pairs;

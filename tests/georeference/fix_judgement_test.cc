@@ -19,7 +19,7 @@ std::vector<FixBesideTwoPaths> Beside(double first_off_m, double second_off_m, i
   for (int i = 0; i < count; ++i) {
     const Eigen::Vector2d away = i % 2 == 0 ? Eigen::Vector2d::UnitX() : Eigen::Vector2d::UnitY();
     const Eigen::Vector2d fix(noise(random), noise(random));
-    fixes.push_back({first_off_m * away - fix, second_off_m * away - fix, kSigma_m});
+    fixes.push_back({first_off_m * away - fix, second_off_m * away - fix, kSigma_m, i / 5});
   }
   return fixes;
 }
@@ -44,6 +44,25 @@ TEST(FixJudgement, ChanceGainsNothing) {
     beyond_two += std::abs(judgement->gain_sigmas) > 2.0;
   }
   EXPECT_NEAR(gains, kTrials / 2, 3.0 * std::sqrt(kTrials) / 2.0);
+  EXPECT_LT(beyond_two, kTrials / 20);
+}
+
+// A receiver that is off by the same for ten seconds has said it once.
+TEST(FixJudgement, NoiseThatATurnHasInCommonGainsNothingEither) {
+  constexpr int kTrials = 400, kTurns = 8, kOfATurn = 10;
+  int beyond_two = 0;
+  for (int trial = 0; trial < kTrials; ++trial) {
+    std::mt19937 random(500 + trial);
+    std::normal_distribution<double> noise(0.0, kSigma_m);
+    std::vector<FixBesideTwoPaths> fixes;
+    for (int turn = 0; turn < kTurns; ++turn) {
+      const Eigen::Vector2d fix(noise(random), noise(random)), half_shift(0.0005, 0.0);
+      for (int i = 0; i < kOfATurn; ++i) {
+        fixes.push_back({half_shift - fix, -half_shift - fix, kSigma_m, turn});
+      }
+    }
+    beyond_two += std::abs(JudgeByFixes(fixes)->gain_sigmas) > 2.0;
+  }
   EXPECT_LT(beyond_two, kTrials / 20);
 }
 

@@ -247,6 +247,18 @@ TEST(RtkAlignment, PredictedPosesDoNotCount) {
   EXPECT_LT(part.alignment->used, whole.alignment->used);
 }
 
+TEST(RtkAlignment, AnExactClockIsNoWeakness) {
+  SeededRandom random;
+  const RoverDrive drive(SCurve(), 60.0);
+  const auto fixes = drive.Fixes(RandomPlacing(random), 0.0, random);
+  const RtkFit fit =
+      AlignToRtk(fixes, drive.Poses(0.0, random), kAntennaInLeft, {.max_clock_offset_s = 0.0});
+  ASSERT_TRUE(fit.alignment) << fit.why;
+  EXPECT_EQ(fit.why, "");
+  EXPECT_EQ(fit.alignment->clock_offset_s, 0.0);
+  EXPECT_EQ(fit.alignment->unknown_clock_sigma_m, 0.0);
+}
+
 TEST(RtkAlignment, RefusesOptionsOutOfRange) {
   RtkAlignmentOptions options;
   options.max_clock_offset_s = -1.0;

@@ -154,6 +154,31 @@ TEST_P(RectifierOfRig, HoldsEveryUsablePixelOfTheLeftImage) {
   }
 }
 
+TEST_P(RectifierOfRig, TellsWhereAPixelOfTheLeftImageIsShown) {
+  const Rectifier rectifier(rig_);
+  const cv::Mat columns = rectifier.RectifyLeft(Ramp(rig_.left.camera, true));
+  const cv::Mat rows = rectifier.RectifyLeft(Ramp(rig_.left.camera, false));
+  const cv::Mat mask = StaticMask(rig_.left);
+  int shown = 0;
+  for (int row = 20; row < mask.rows - 20; row += 40) {
+    for (int column = 20; column < mask.cols - 20; column += 40) {
+      if (mask.at<uchar>(row, column) == 0) continue;
+      const auto pixel = rectifier.RectifiedLeft({column, row});
+      if (!pixel) continue;
+      ++shown;
+      // Bilinear, as the ramps are between pixels.
+      const cv::Mat at_column(1, 1, CV_32FC1, static_cast<float>(pixel->x())),
+          at_row(1, 1, CV_32FC1, static_cast<float>(pixel->y()));
+      cv::Mat x, y;
+      cv::remap(columns, x, at_column, at_row, cv::INTER_LINEAR);
+      cv::remap(rows, y, at_column, at_row, cv::INTER_LINEAR);
+      EXPECT_NEAR(x.at<float>(0, 0), column, 0.05) << column << " " << row;
+      EXPECT_NEAR(y.at<float>(0, 0), row, 0.05) << column << " " << row;
+    }
+  }
+  EXPECT_GT(shown, 50);
+}
+
 TEST_P(RectifierOfRig, RectifiesMasksToWhatIsWhollyUsable) {
   const Rectifier rectifier(rig_);
   cv::Mat mask(rig_.left.camera.height, rig_.left.camera.width, CV_8UC1, cv::Scalar(255));

@@ -53,6 +53,22 @@ TEST(NoisePerStep, WhatHeadingsExplainIsNoNoiseOfPositions) {
   EXPECT_NEAR(NoisePerStep(poses, {}, 0.0).back().metres, std::sqrt(3.0) * all_m, 0.2 * all_m);
 }
 
+// Out and back the length of the way is no lever: what turns and scale move there they move back.
+TEST(NoisePerStep, OfAWayThatComesBackIsNotExplainedByItsLength) {
+  Trajectory poses = StraightWay();
+  for (std::size_t i = kSteps / 2 + 1; i < poses.size(); ++i) {
+    poses[i].world_from_left.translation.x() = static_cast<double>(kSteps - i) * kStep_m;
+  }
+  constexpr double kTurn = 1e-4, kStepNoise_m = 2e-3;
+  double by_turns_m2 = 0.0;
+  for (const TimedPose& pose : poses) {
+    by_turns_m2 += 2.0 * std::pow(kTurn * pose.world_from_left.translation.x(), 2);
+  }
+  State(poses.back(), std::sqrt(by_turns_m2 / 3.0 + kSteps * kStepNoise_m * kStepNoise_m),
+        kTurn * std::sqrt(kSteps));
+  EXPECT_NEAR(NoisePerStep(poses, {}, 0.005).back().metres, kStepNoise_m, 0.02 * kStepNoise_m);
+}
+
 TEST(NoisePerStep, IsOfMeasuredPosesWhateverIsGuessedBeforeThem) {
   Trajectory poses = StraightWay();
   State(poses.back(), 0.1, 1e-3);

@@ -18,6 +18,7 @@ inline const Eigen::Vector3d kAntenna(0.3, -1.0, -0.6);  // 1.2 m from the left 
 // A way of 40 m, turning by 120 degrees and back, a pose every 0.2 m and second; the camera looks
 // along it. The images make it 0.3 % too long and turn a little too far at each step.
 struct AntennaDrive {
+  static constexpr double kScaleSigma = 0.005;  // as the images state it
   Trajectory truth, images;
   Rigid3 enu_from_world{Eigen::Quaterniond(Eigen::AngleAxisd(0.7, Eigen::Vector3d::UnitZ())),
                         {5.0, -3.0, 2.0}};
@@ -51,10 +52,14 @@ struct AntennaDrive {
     TimedPose pose{.stamp_ns = i * 1'000'000'000LL,
                    .world_from_left = world_from_first * world_level_from_left,
                    .source = PoseSource::kAdjusted};
-    const double share = i / 200.0;
-    pose.sigmas << 0.11 * share, 0.11 * share, 0.11 * share, 1e-3 * share, 1e-3 * share,
-        1e-3 * share;
-    pose.position_covariance = Eigen::Matrix3d::Identity() * 0.0121 * share * share;
+    // By scale, and by headings that walk to a milliradian at the end.
+    const Eigen::Vector3d way = world_level_from_left.translation;
+    const double turned = 1e-3 * std::sqrt(i / 200.0),
+                 aside_m = turned * way.norm() / std::sqrt(3.0);
+    const Eigen::Vector3d along = axes * (kScaleSigma * way);
+    pose.position_covariance =
+        along * along.transpose() + aside_m * aside_m * Eigen::Matrix3d::Identity();
+    pose.sigmas << pose.position_covariance.diagonal().cwiseSqrt(), turned, turned, turned;
     return pose;
   }
 
@@ -72,7 +77,7 @@ struct AntennaDrive {
     return fixes;
   }
 
-  FixFusion Fusion() const { return {kAntenna, enu_from_world, 0.005, std::nullopt, 3.0}; }
+  FixFusion Fusion() const { return {kAntenna, enu_from_world, kScaleSigma, std::nullopt, 3.0}; }
 
   // Root mean square distance of the antenna from its true places, both in ENU.
   double Error(const std::vector<Rigid3>& poses, const Rigid3& enu) const {

@@ -63,7 +63,7 @@ class SatelliteFixes : public testing::Test {
     dataset.rig.right_from_left.translation.x() = -0.12;
     AdjustedPart part{.trajectory = drive_.images};
     part.adjustment.world_from_left.resize(drive_.images.size());
-    part.adjustment.scale_sigma = 0.003;
+    part.adjustment.scale_sigma = AntennaDrive::kScaleSigma;
     JoinedParts parts{.parts = {{.name = "1.1"}}};
     parts.first_part.resize(drive_.images.size(), 0);
     const TiedPart tied = TieToFixes().make({}, dataset, part, parts, SplitByTurns(fixes_),

@@ -55,6 +55,19 @@ TEST(RemarksOfPartsTest, NameTheirPartUnlessAllMakeThem) {
       ElementsAre("part 1: no antenna", "part 1: gap", "part 2: no antenna", "part 3: gap"));
 }
 
+TEST(AppendRecordTest, ARecordThatCannotBeUsedIsAGapOfTheOthers) {
+  const WheelRecord good{{WheelSample{.stamp_ns = 1}}, ""}, bad{{}, "wheels: not there"};
+  for (const auto& parts : {std::vector{good, bad}, std::vector{bad, good}}) {
+    WheelRecord whole;
+    for (const WheelRecord& part : parts) AppendRecord(part, whole);
+    EXPECT_EQ(whole.samples.size(), 1U);
+    EXPECT_EQ(whole.problem, "");
+  }
+  WheelRecord none;
+  for (int i = 0; i < 2; ++i) AppendRecord(bad, none);
+  EXPECT_EQ(none.problem, "wheels: not there");
+}
+
 class RigOfTheWhole : public testing::Test {
  protected:
   RigOfTheWhole() : start_(ReadRigFile(SimulatedPartFolder() / "calib.yaml")) {}

@@ -24,17 +24,6 @@ namespace fs = std::filesystem;
 
 std::string ViewName(const StereoFrame& frame) { return fmt::format("{}.png", frame.stamp_ns); }
 
-// What shows in the pixel of the rectified view; nothing for one that lies outside.
-std::optional<Eigen::Vector2d> RectifiedPixel(const Rectifier& rectifier, const Camera& left,
-                                              const Eigen::Vector2d& pixel) {
-  const std::optional<Eigen::Vector2d> ray = Undistort(left, pixel);
-  if (!ray) return std::nullopt;
-  const auto rectified = Project(rectifier.RectifiedCamera(),
-                                 rectifier.LeftFromRectified().inverse() * ray->homogeneous());
-  if (!rectified || !rectifier.RectifiedCamera().Contains(*rectified)) return std::nullopt;
-  return rectified;
-}
-
 // The views without their points.
 SparseModel PosedViews(const Dataset& dataset, const PosedPart& part,
                        const std::vector<int>& frames, const Rectifier& rectifier) {
@@ -79,7 +68,7 @@ void AddPoints(const PosedPart& part, const Rectifier& rectifier, SparseModel& m
     for (const PointObservation& o : point.in_left) {
       const auto image = image_of_frame.find(o.frame);
       if (image == image_of_frame.end()) continue;
-      const auto pixel = RectifiedPixel(rectifier, part.rig.left.camera, o.pixel);
+      const auto pixel = rectifier.RectifiedLeft(o.pixel);
       if (pixel) seen.push_back({image->second, *pixel});
     }
     AddPoint({.x_in_model = point.x_in_world}, seen, model);

@@ -8,14 +8,18 @@
 
 namespace rigmap {
 
-SplitFixes SplitByTurns(std::vector<GnssFix> fixes) {
+std::int64_t TurnOf(StampNs stamp_ns) {
   constexpr StampNs kTurn_ns = 10'000'000'000;
+  return stamp_ns / kTurn_ns;
+}
+
+SplitFixes SplitByTurns(std::vector<GnssFix> fixes) {
   std::ranges::stable_sort(fixes, {}, &GnssFix::stamp_ns);
   SplitFixes split;
   bool ties = false;
-  std::optional<StampNs> last_turn;
+  std::optional<std::int64_t> last_turn;
   for (GnssFix& fix : fixes) {
-    const StampNs turn = fix.stamp_ns / kTurn_ns;
+    const std::int64_t turn = TurnOf(fix.stamp_ns);
     // Turns without a fix do not count: one a minute would be all of one kind.
     if (turn != last_turn) ties = last_turn ? !ties : turn % 2 == 0;
     last_turn = turn;

@@ -1,6 +1,7 @@
 // Stretches of satellite fixes, by their stamps.
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include "pipeline/stage.h"
@@ -13,6 +14,8 @@ namespace rigmap {
 struct SplitFixes {
   std::vector<GnssFix> tying, judging;
 };
+// Which turn a stamp is in.
+std::int64_t TurnOf(StampNs stamp_ns);
 SplitFixes SplitByTurns(std::vector<GnssFix> fixes);
 
 // Of those that are RTK_FIXED, in their order.

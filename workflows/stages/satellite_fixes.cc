@@ -166,10 +166,12 @@ class FixTie {
     const auto before = OffsetsFromJudges(part_.trajectory, *whole_.alignment, clocks_);
     const auto after = OffsetsFromJudges(moved, laid, clocks);
     const std::vector<AntennaFix> fixes = InEnu(fixes_.judging, laid, clocks);
+    const std::vector<StampNs> stamps = StampsOfFixed(fixes_.judging);  // of these
     std::vector<FixBesideTwoPaths> judges;
     for (std::size_t i = 0; i < fixes.size(); ++i) {
       if (!before[i] || !after[i]) continue;
-      judges.push_back({*before[i], *after[i], fixes[i].sigma_m.head<2>().maxCoeff()});
+      judges.push_back(
+          {*before[i], *after[i], fixes[i].sigma_m.head<2>().maxCoeff(), TurnOf(stamps[i])});
     }
     return JudgeByFixes(judges);
   }

@@ -28,7 +28,8 @@ struct HeightFit {
 };
 
 // Those within four sigmas, or four times the scatter of most, of the median. Sigmas are scaled up
-// where residuals are larger than stated. At least one pair.
+// where residuals are larger than stated; that of the height also where they are like those before
+// them. Pairs in order of time, at least one.
 HeightFit FitHeight(std::span<const HeightPair> pairs);
 
 }  // namespace rigmap
