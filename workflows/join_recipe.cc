@@ -7,6 +7,7 @@
 #include "workflows/stages/matching.h"
 #include "workflows/stages/odometric_adjustment.h"
 #include "workflows/stages/pose_graph.h"
+#include "workflows/stages/sensor_gates.h"
 #include "workflows/surface_recipe.h"
 
 namespace rigmap {
@@ -87,8 +88,10 @@ StageGraph JoinRecipe(const Dataset& data, const DatasetContent& data_content,
       g.AddCheck(AdjustedGates(),
                  Reading(o.gates.mapping, o.gates.poses, o.gates.adjustment, o.gates.calibration),
                  dataset, found, aligned, adjusted);
-  const auto gates =
-      g.AddView(WithMoreGates, own_gates, g.AddCheck(JoinGates(), Reading(), parts, adjusted));
+  const auto sensor_gates =
+      g.AddCheck(SensorGates(), Reading(o.dead_reckoning, o.filter), dataset, adjusted);
+  const auto gates = g.AddView(WithMoreGates, g.AddView(WithMoreGates, own_gates, sensor_gates),
+                               g.AddCheck(JoinGates(), Reading(), parts, adjusted));
   auto final_part = adjusted;
   if (tie_to) {
     const auto open_fixes = [all = *tie_to] { return std::pair(KeyOf(all), all); };

@@ -6,6 +6,7 @@
 #include "workflows/stages/odometric_adjustment.h"
 #include "workflows/stages/odometry.h"
 #include "workflows/stages/pose_graph.h"
+#include "workflows/stages/sensor_gates.h"
 #include "workflows/surface_recipe.h"
 
 namespace rigmap {
@@ -43,10 +44,13 @@ StageGraph RigRecipe(const Dataset& data, const DatasetContent& data_content,
       Reading(start, o.features, o.corners, o.masks, o.matching, o.adjustment, o.odometry,
               o.dead_reckoning, o.filter, o.gates.mapping, o.gates.adjustment),
       dataset, content, features, odometry, matches, graph, aligned, from_odometry);
-  const auto gates =
+  const auto own_gates =
       g.AddCheck(AdjustedGates(),
                  Reading(o.gates.mapping, o.gates.poses, o.gates.adjustment, o.gates.calibration),
                  dataset, found, aligned, adjusted);
+  const auto gates =
+      g.AddView(WithMoreGates, own_gates,
+                g.AddCheck(SensorGates(), Reading(o.dead_reckoning, o.filter), dataset, adjusted));
   const auto posed = g.AddView(PosedByAdjustment, dataset, adjusted);
 
   g.AddStage(PartPoseGraph(), Reading(), adjusted);

@@ -6,6 +6,10 @@
 #include <algorithm>
 #include <atomic>
 #include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <utility>
+#include <vector>
 
 #include "core/error.h"
 #include "imaging/image.h"
@@ -42,7 +46,42 @@ bool CheckImage(const std::string& path, Eye eye, const StereoRig& rig) {
   }
 }
 
+// False also where a file cannot be read, or is empty.
+bool HaveEqualBytes(const std::string& a, const std::string& b) {
+  std::error_code no_a, no_b;
+  const auto size_a = std::filesystem::file_size(a, no_a),
+             size_b = std::filesystem::file_size(b, no_b);
+  if (no_a || no_b || size_a != size_b || size_a == 0) return false;
+  std::ifstream of_a(a, std::ios::binary), of_b(b, std::ios::binary);
+  using Bytes = std::istreambuf_iterator<char>;
+  return of_a && of_b && std::equal(Bytes(of_a), Bytes(), Bytes(of_b), Bytes());
+}
+
 }  // namespace
+
+void LeaveOutRepeats(Dataset& dataset) {
+  std::vector<StereoFrame>& frames = dataset.frames;
+  std::vector<char> repeats(frames.size(), 0);
+  tbb::parallel_for(std::size_t{1}, std::max<std::size_t>(1, frames.size()), [&](std::size_t i) {
+    const StereoFrame &before = frames[i - 1], &frame = frames[i];
+    repeats[i] = (HaveEqualBytes(before.left_path, frame.left_path) ||
+                  HaveEqualBytes(before.right_path, frame.right_path)) &&
+                 !HaveEqualBytes(frame.left_path, frame.right_path);
+  });
+  const auto count = std::ranges::count(repeats, 1);
+  if (count == 0) return;
+  const auto first = static_cast<std::size_t>(std::ranges::find(repeats, 1) - repeats.begin());
+  dataset.health.remarks.push_back(
+      fmt::format("{}: of {} pairs, of which this is the first, an image repeats the one before "
+                  "byte for byte, as "
+                  "no camera's do but one that hangs: they are left out",
+                  frames[first].left_path, count));
+  std::vector<StereoFrame> kept;
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    if (!repeats[i]) kept.push_back(std::move(frames[i]));
+  }
+  frames = std::move(kept);
+}
 
 void CheckSizes(const Dataset& dataset) {
   const StereoRig& rig = dataset.rig;

@@ -231,6 +231,7 @@ Dataset OpenDataset(const DatasetRequest& request) {
   PooledRig rig = ReadRig(request, opened);
   dataset.rig = std::move(rig.rig);
   dataset.rig_pool = std::move(rig.pool);
+  LeaveOutRepeats(dataset);
   DecideSampleBits(dataset.rig, dataset.frames);  // of the part, whichever frames are asked for
   if (request.frames) KeepFrames(*request.frames, dataset.frames);
   KeepLoneImagesBetweenFrames(dataset);

@@ -3,6 +3,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "dense/internal/disparity.h"
+#include "dense/internal/equal_contrast.h"
 #include "dense/internal/refinement.h"
 #include "dense/internal/silhouettes.h"
 #include "imaging/image.h"
@@ -28,9 +29,10 @@ DepthMap DenseMatcher::Compute(const StereoFrame& frame) const {
   const cv::Mat right = ReadGrey(frame.right_path, rig_.right.camera, frame.sample_bits);
   cv::Mat left;
   cv::cvtColor(colour, left, cv::COLOR_BGR2GRAY);
-  const RectifiedPair pair{rectifier_.RectifyLeft(left), rectifier_.RectifyRight(right),
-                           rectifier_.RectifyLeftMask(UsableForDepth(left, left_static_)),
-                           rectifier_.RectifyRightMask(UsableForDepth(right, right_static_))};
+  RectifiedPair pair{rectifier_.RectifyLeft(left), rectifier_.RectifyRight(right),
+                     rectifier_.RectifyLeftMask(UsableForDepth(left, left_static_)),
+                     rectifier_.RectifyRightMask(UsableForDepth(right, right_static_))};
+  EqualiseContrast(pair.left_mask, pair.right_mask, pair.left, pair.right);
 
   DepthMap map;
   map.stamp_ns = frame.stamp_ns;

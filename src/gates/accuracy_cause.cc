@@ -22,6 +22,9 @@ Origin OriginOf(const Failed& failed) {
   if (!failed.findings().breaks.empty()) {
     return {"part of the way is guessed", AdviceOnGaps(failed)};
   }
+  if (!accuracy.noise_95_pct && !failed.findings().bridged.empty()) {
+    return {"most of it is of steps that only wheels and gyro tell", AdviceOnGaps(failed)};
+  }
   if (!accuracy.noise_95_pct) {
     return {
         "the errors of single steps add up",

@@ -191,11 +191,14 @@ Cause MotionsDiffer(const Failed& failed) {
 
 Cause SensorsContradict(const Failed& failed) {
   const Gate& gate = *failed.Find("sensors_contradict");
-  return {"images and wheels tell of different motions",
-          fmt::format("images and wheels tell of different motions in {} % of the steps (expected: "
-                      "at most {} %)",
-                      ValueText(gate, 100.0), LimitText(gate, 100.0)),
-          "compare --technique vo with wheels; look at units and columns of the wheels' file"};
+  return {
+      "images and wheels tell of different motions",
+      fmt::format("images and wheels tell of different motions in {} % of the steps (expected: "
+                  "at most {} %)",
+                  ValueText(gate, 100.0), LimitText(gate, 100.0)),
+      "look at the images of these frames for what moves along with the rover, and whether they "
+      "move on; compare --technique vo with wheels; look at units and columns of the wheels' "
+      "file, or do without what is wrong: --set filter.use_wheels=false, filter.use_gyro=false"};
 }
 
 Cause CloudsSlide(const Failed& failed) {

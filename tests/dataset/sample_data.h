@@ -17,7 +17,8 @@ std::string SampleRigText();
 // `text` with its only occurrence of `from` replaced by `to`.
 std::string Replaced(const std::string& text, const std::string& from, const std::string& to);
 
-// A whole image of noise in the format that the extension tells; creates the parent folder.
+// A whole image of noise in the format that the extension tells, another one for each name; creates
+// the parent folder.
 void WriteImage(const std::filesystem::path& path, int width = kSampleWidth,
                 int height = kSampleHeight);
 

@@ -88,6 +88,21 @@ TEST_P(DenseMatcherOnSand, FindsTheSand) {
   EXPECT_LT(errors[errors.size() * 19 / 20], 0.5) << "95 %, px";
 }
 
+// A camera that was exposed half as long.
+TEST_P(DenseMatcherOnSand, FindsAsMuchWhereOneEyeIsDarker) {
+  const DenseMatcher matcher(rig_, nearest_m_, options_, {});
+  const std::size_t alike = Errors(matcher.Compute(frame_)).size();
+  for (const auto* path : {&frame_.left_path, &frame_.right_path}) {
+    const cv::Mat bright = cv::imread(*path);
+    cv::imwrite(*path, 0.5 * bright);
+    const std::vector<double> errors = Errors(matcher.Compute(frame_));
+    cv::imwrite(*path, bright);
+    ASSERT_GT(static_cast<double>(errors.size()), 0.95 * static_cast<double>(alike)) << *path;
+    EXPECT_GT(errors[errors.size() / 20], -0.5) << "5 %, px";
+    EXPECT_LT(errors[errors.size() * 19 / 20], 0.5) << "95 %, px";
+  }
+}
+
 TEST(MatchDisparity, FindsNothingInAStripThatIsThinnerThanABlock) {
   DenseOptions options;
   options.method = DenseMethod::kBm;

@@ -20,7 +20,7 @@ namespace {
 
 // What the metres rest on, for the verdict.
 std::string AboutRig(const GateInputs& inputs) {
-  constexpr double kTelling_px = 0.1;
+  constexpr double kTelling_px = 0.1, kTellingField_px = 0.005;
   const StereoRig& rig = inputs.rig;
   const Adjustment& adjustment = inputs.adjustment;
   std::string about;
@@ -31,7 +31,7 @@ std::string AboutRig(const GateInputs& inputs) {
         "and has been corrected; ",
         adjustment.correction_px, adjustment.infinity_offset_px);
   }
-  if (adjustment.lens_field_rms_px > 0.0) {
+  if (adjustment.lens_field_rms_px >= kTellingField_px) {
     about += fmt::format("a field of {:.2g} px mends what the lens model lacks; ",
                          adjustment.lens_field_rms_px);
   }

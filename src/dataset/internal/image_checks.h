@@ -11,6 +11,11 @@ namespace rigmap {
 // another camera's: better said before the first hour than after it. Throws DataError.
 void CheckSizes(const Dataset& dataset);
 
+// Leaves out pairs of which an image is that of the pair before byte for byte, with a remark. No
+// two exposures of a camera are: it hung, and where it drove it would be seen standing still. Pairs
+// whose own two images are the same bytes stay: such are black.
+void LeaveOutRepeats(Dataset& dataset);
+
 // How many bits the values of the part's files of 16 bit have. One frame may be dark, so all are
 // asked, until one needs all 16.
 void DecideSampleBits(const StereoRig& rig, std::vector<StereoFrame>& frames);
