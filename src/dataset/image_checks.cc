@@ -57,28 +57,47 @@ bool HaveEqualBytes(const std::string& a, const std::string& b) {
   return of_a && of_b && std::equal(Bytes(of_a), Bytes(), Bytes(of_b), Bytes());
 }
 
+// Of a pair's images, which repeat those before.
+struct Repeat {
+  bool left = false, right = false;
+
+  bool IsAny() const { return left || right; }
+  bool IsOnly(Eye eye) const { return left != right && (eye == Eye::kLeft ? left : right); }
+};
+
+Repeat RepeatOf(const StereoFrame& before, const StereoFrame& frame) {
+  const Repeat repeat{HaveEqualBytes(before.left_path, frame.left_path),
+                      HaveEqualBytes(before.right_path, frame.right_path)};
+  const bool is_black = repeat.IsAny() && HaveEqualBytes(frame.left_path, frame.right_path);
+  return is_black ? Repeat() : repeat;
+}
+
 }  // namespace
 
 void LeaveOutRepeats(Dataset& dataset) {
   std::vector<StereoFrame>& frames = dataset.frames;
-  std::vector<char> repeats(frames.size(), 0);
-  tbb::parallel_for(std::size_t{1}, std::max<std::size_t>(1, frames.size()), [&](std::size_t i) {
-    const StereoFrame &before = frames[i - 1], &frame = frames[i];
-    repeats[i] = (HaveEqualBytes(before.left_path, frame.left_path) ||
-                  HaveEqualBytes(before.right_path, frame.right_path)) &&
-                 !HaveEqualBytes(frame.left_path, frame.right_path);
-  });
-  const auto count = std::ranges::count(repeats, 1);
-  if (count == 0) return;
-  const auto first = static_cast<std::size_t>(std::ranges::find(repeats, 1) - repeats.begin());
+  std::vector<Repeat> repeats(frames.size());
+  tbb::parallel_for(std::size_t{1}, std::max<std::size_t>(1, frames.size()),
+                    [&](std::size_t i) { repeats[i] = RepeatOf(frames[i - 1], frames[i]); });
+  const auto first =
+      static_cast<std::size_t>(std::ranges::find_if(repeats, &Repeat::IsAny) - repeats.begin());
+  if (first == frames.size()) return;
+  for (const Eye eye : kEyes) {
+    const auto stuck = static_cast<std::size_t>(
+        std::ranges::count_if(repeats, [&](const Repeat& repeat) { return repeat.IsOnly(eye); }));
+    if (2 * stuck <= frames.size()) continue;
+    throw DataError(
+        fmt::format("{}: expected images of a camera that goes on, found {} of {} that "
+                    "repeat the one before byte for byte while the other eye's do not",
+                    frames[first].PathOf(eye), stuck, frames.size()));
+  }
   dataset.health.remarks.push_back(
       fmt::format("{}: of {} pairs, of which this is the first, an image repeats the one before "
-                  "byte for byte, as "
-                  "no camera's do but one that hangs: they are left out",
-                  frames[first].left_path, count));
+                  "byte for byte, as no camera's do but one that hangs: they are left out",
+                  frames[first].left_path, std::ranges::count_if(repeats, &Repeat::IsAny)));
   std::vector<StereoFrame> kept;
   for (std::size_t i = 0; i < frames.size(); ++i) {
-    if (!repeats[i]) kept.push_back(std::move(frames[i]));
+    if (!repeats[i].IsAny()) kept.push_back(std::move(frames[i]));
   }
   frames = std::move(kept);
 }

@@ -101,6 +101,20 @@ TEST(OpenStereoFolder, LeavesOutPairsThatRepeatTheOneBefore) {
                   testing::AllOf(HasSubstr("left/2.png: of 2 pairs"), HasSubstr("byte for byte"))));
 }
 
+TEST(OpenStereoFolder, NamesAnEyeThatIsStuck) {
+  const TemporaryFolder folder;
+  folder.Write("calib.yaml", SampleRigText());
+  folder.Write("times.txt", "1\n2\n3\n4\n");
+  for (const char* name : {"0.png", "1.png", "2.png", "3.png"}) {
+    WriteImage(folder.Path() / "left" / name);
+    WriteImage(folder.Path() / "right" / "0.png");
+    if (name[0] == '0') continue;
+    std::filesystem::copy(folder.Path() / "right" / "0.png", folder.Path() / "right" / name);
+  }
+  EXPECT_THAT(MessageOf<DataError>([&] { OpenDataset({.folder = folder.Path()}); }),
+              AllOf(HasSubstr("right/1.png: expected"), HasSubstr("found 3 of 4 that repeat")));
+}
+
 TEST_F(OpenKatwijkTest, InclinometerComesWithTheFrames) {
   folder_.Write("root/rig.yaml", SampleRigText());
   folder_.Write("root/Traverse3/Part1/imu.txt",

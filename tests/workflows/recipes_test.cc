@@ -30,8 +30,8 @@ const std::map<std::string, Names> kReaders{
     {"masks", {"features", "bridging", "odometric_adjustment", "adjustment", "dense"}},
     {"features", {"features", "bridging", "odometric_adjustment", "adjustment"}},
     {"odometry", {"odometry", "bridging", "odometric_adjustment", "adjustment"}},
-    {"dead_reckoning", {"bridging", "odometric_adjustment", "adjustment"}},
-    {"filter", {"bridging", "odometric_adjustment", "adjustment"}},
+    {"dead_reckoning", {"bridging", "odometric_adjustment", "adjustment", "sensor_gates"}},
+    {"filter", {"bridging", "odometric_adjustment", "adjustment", "sensor_gates"}},
     {"matching", {"matching", "odometric_adjustment", "adjustment"}},
     {"matching.min_inliers", {"matching", "mapping", "odometric_adjustment", "adjustment"}},
     {"colmap", {}},
@@ -155,10 +155,10 @@ TEST(RigRecipe, StagesDependOnWhatTheyTakeAndNoMore) {
   EXPECT_THAT(DescendantsOf(graph, "fixes"), ElementsAre("fixes", "georeference", "raster", "las"));
   EXPECT_THAT(DescendantsOf(graph, "fusion"),
               ElementsAre("fusion", "georeference", "raster", "las", "views", "evaluation"));
-  EXPECT_THAT(
-      DescendantsOf(graph, "scale"),
-      ElementsAre("scale", "adjustment", "gates", "pose_graph", "steps", "dense", "depth_maps",
-                  "depth_gates", "fusion", "georeference", "raster", "las", "views", "evaluation"));
+  EXPECT_THAT(DescendantsOf(graph, "scale"),
+              ElementsAre("scale", "adjustment", "gates", "sensor_gates", "pose_graph", "steps",
+                          "dense", "depth_maps", "depth_gates", "fusion", "georeference", "raster",
+                          "las", "views", "evaluation"));
 }
 
 std::vector<Technique> AllTechniques() {
