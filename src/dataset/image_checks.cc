@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <set>
 #include <utility>
 #include <vector>
 
@@ -65,9 +66,14 @@ struct Repeat {
   bool IsOnly(Eye eye) const { return left != right && (eye == Eye::kLeft ? left : right); }
 };
 
-Repeat RepeatOf(const StereoFrame& before, const StereoFrame& frame) {
-  const Repeat repeat{HaveEqualBytes(before.left_path, frame.left_path),
-                      HaveEqualBytes(before.right_path, frame.right_path)};
+// Files that are no images may be alike.
+Repeat RepeatOf(const StereoFrame& before, const StereoFrame& frame,
+                const std::set<std::string>& unreadable) {
+  const auto repeats = [&](Eye eye) {
+    return HaveEqualBytes(before.PathOf(eye), frame.PathOf(eye)) &&
+           !unreadable.contains(frame.PathOf(eye));
+  };
+  const Repeat repeat{repeats(Eye::kLeft), repeats(Eye::kRight)};
   const bool is_black = repeat.IsAny() && HaveEqualBytes(frame.left_path, frame.right_path);
   return is_black ? Repeat() : repeat;
 }
@@ -76,9 +82,12 @@ Repeat RepeatOf(const StereoFrame& before, const StereoFrame& frame) {
 
 void LeaveOutRepeats(Dataset& dataset) {
   std::vector<StereoFrame>& frames = dataset.frames;
+  const std::set<std::string> unreadable(dataset.health.unreadable_images.begin(),
+                                         dataset.health.unreadable_images.end());
   std::vector<Repeat> repeats(frames.size());
-  tbb::parallel_for(std::size_t{1}, std::max<std::size_t>(1, frames.size()),
-                    [&](std::size_t i) { repeats[i] = RepeatOf(frames[i - 1], frames[i]); });
+  tbb::parallel_for(std::size_t{1}, std::max<std::size_t>(1, frames.size()), [&](std::size_t i) {
+    repeats[i] = RepeatOf(frames[i - 1], frames[i], unreadable);
+  });
   const auto first =
       static_cast<std::size_t>(std::ranges::find_if(repeats, &Repeat::IsAny) - repeats.begin());
   if (first == frames.size()) return;

@@ -44,8 +44,7 @@ Rigid3 MotionSince(int reference, int frame, const EstimatedMotion& motion) {
 }
 
 // What sensors know of such a motion, as the images bear them out; images gave them their scale.
-Matrix6d CovarianceSince(int reference, int frame, const EstimatedMotion& motion,
-                         double scale_sigma) {
+Matrix6d KnownSince(int reference, int frame, const EstimatedMotion& motion, double scale_sigma) {
   constexpr double kLeast_m = 1e-3, kLeast_rad = 1e-4;
   const SensorAgreement& agreement = motion.agreement;
   const Eigen::Vector3d way = MotionSince(reference, frame, motion).translation;
@@ -69,7 +68,7 @@ bool IsKnownBetter(const Odometry& odometry, int i, const EstimatedMotion& motio
   const OdometryFrame& frame = odometry[i];
   if (frame.source != PoseSource::kOdometry || frame.reference >= i) return false;
   if (!motion.poses[frame.reference].is_measured || !motion.poses[i].is_measured) return false;
-  const Matrix6d known = CovarianceSince(frame.reference, i, motion, scale_sigma);
+  const Matrix6d known = KnownSince(frame.reference, i, motion, scale_sigma);
   return frame.step_covariance.topLeftCorner<3, 3>().trace() >
          kTimes * kTimes * known.topLeftCorner<3, 3>().trace();
 }
@@ -173,8 +172,7 @@ Odometry BridgeGaps(const Dataset& dataset, Odometry odometry, const DeadReckoni
     if (choice.by_sensors[i]) {
       const Rigid3 back = MotionSince(frame.reference, i, motion);
       step = back.Inverse();
-      frame.step_covariance =
-          CovarianceSince(frame.reference, i, motion, filter.vision_scale_sigma);
+      frame.step_covariance = KnownSince(frame.reference, i, motion, filter.vision_scale_sigma);
       const Eigen::Vector3d slipped = filter.burst_slip * back.translation;
       frame.step_covariance.topLeftCorner<3, 3>() +=
           choice.chance_of_slip[i] * slipped * slipped.transpose();

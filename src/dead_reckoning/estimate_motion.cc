@@ -51,7 +51,8 @@ class Follower {
       if (!steps_.empty()) AddVisualScale(motion_.poses[i]);
     }
     for (int i = 0; i < static_cast<int>(references_.size()); ++i) {
-      if (references_[i] < i) motion_.poses[i].since_reference = Since(references_[i], smoothed[i]);
+      if (references_[i] < i)
+        motion_.poses[i].since_reference = CovarianceSince(references_[i], smoothed[i]);
     }
     const Belief& last = smoothed.back();
     motion_.wheel_scale = std::exp(last.rover.values(kWheelScale));
@@ -68,15 +69,6 @@ class Follower {
   void KeepUntil(int frame, int clone) {
     int& last = last_use_.try_emplace(clone, frame).first->second;
     last = std::max(last, frame);
-  }
-
-  // What is known of the motion since a frame that is among the clones.
-  static Matrix6d Since(int frame, const Belief& belief) {
-    const auto clone = std::ranges::find(belief.clones, frame, &ClonedPose::frame);
-    const Rigid3 motion = belief.rover.gauge_from_left.Inverse() * clone->gauge_from_left;
-    const Eigen::MatrixXd jacobian =
-        VisualMotionOf(belief, {.from = frame, .to_from_from = motion}, 1.0).jacobian;
-    return jacobian * belief.covariance * jacobian.transpose();
   }
 
   void Start() {

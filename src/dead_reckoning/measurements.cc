@@ -62,4 +62,12 @@ Measurement VisualMotionOf(const Belief& belief, const VisualStep& step, double 
   return measurement;
 }
 
+Matrix6d CovarianceSince(int frame, const Belief& belief) {
+  const auto clone = std::ranges::find(belief.clones, frame, &ClonedPose::frame);
+  const Rigid3 motion = belief.rover.gauge_from_left.Inverse() * clone->gauge_from_left;
+  const Eigen::MatrixXd jacobian =
+      VisualMotionOf(belief, {.from = frame, .to_from_from = motion}, 1.0).jacobian;
+  return jacobian * belief.covariance * jacobian.transpose();
+}
+
 }  // namespace rigmap

@@ -18,23 +18,12 @@ Drive Curve(double) { return {0.2, 0.15}; }
 // An odometry that is right but for four frames, where it carried the motion straight on and began
 // anew.
 Odometry LostOnTheWay(const DrivenRover& rover, int first_lost = 12) {
-  Odometry odometry;
-  for (int i = 0; i < std::ssize(rover.dataset.frames); ++i) {
-    OdometryFrame frame{.stamp_ns = rover.dataset.frames[i].stamp_ns,
-                        .reference = std::max(0, i - 1),
-                        .source = PoseSource::kOdometry,
-                        .keyframe = true};
-    frame.step_covariance.diagonal() << 1e-6, 1e-6, 1e-6, 1e-8, 1e-8, 1e-8;
-    if (i > 0) {
-      const bool is_lost = i >= first_lost && i < first_lost + 4;
-      const Rigid3 step = is_lost
-                              ? Rigid3{Eigen::Quaterniond::Identity(), {0.0, 0.0, 0.1}}
-                              : rover.gauge_from_left[i - 1].Inverse() * rover.gauge_from_left[i];
-      frame.world_from_left = odometry[i - 1].world_from_left * step;
-      if (is_lost) frame.source = PoseSource::kPredicted;
-    }
-    odometry.push_back(frame);
-  }
+  const auto is_lost = [&](int i) { return i >= first_lost && i < first_lost + 4; };
+  Odometry odometry = ChainedOdometry(rover, [&](int i) {
+    return is_lost(i) ? Rigid3{Eigen::Quaterniond::Identity(), {0.0, 0.0, 0.1}}
+                      : TrueMotion(rover, i);
+  });
+  for (int i = first_lost; is_lost(i); ++i) odometry[i].source = PoseSource::kPredicted;
   return odometry;
 }
 

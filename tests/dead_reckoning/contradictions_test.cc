@@ -16,21 +16,9 @@ class FlatContradictionsTest : public testing::Test {
  protected:
   // As images tell it that show where the rover is, but for frames in which they show it standing.
   Odometry Seen(int hung_first, int hung_end) const {
-    Odometry odometry;
-    for (int i = 0; i < kDriven; ++i) {
-      OdometryFrame frame{.stamp_ns = rover_.dataset.frames[i].stamp_ns,
-                          .reference = std::max(0, i - 1),
-                          .source = PoseSource::kOdometry,
-                          .keyframe = true};
-      frame.step_covariance.diagonal() << 1e-6, 1e-6, 1e-6, 1e-8, 1e-8, 1e-8;
-      if (i > 0) {
-        const Rigid3 step = rover_.gauge_from_left[i - 1].Inverse() * rover_.gauge_from_left[i];
-        const bool hangs = i >= hung_first && i < hung_end;
-        frame.world_from_left = odometry[i - 1].world_from_left * (hangs ? Rigid3() : step);
-      }
-      odometry.push_back(frame);
-    }
-    return odometry;
+    return ChainedOdometry(rover_, [&](int i) {
+      return i >= hung_first && i < hung_end ? Rigid3() : TrueMotion(rover_, i);
+    });
   }
 
   DrivenRover rover_ = DriveRover(kDriven, [](double) { return Drive{0.2, 0.15}; });

@@ -1,5 +1,6 @@
 #include "tests/dead_reckoning/driven_rover.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -34,6 +35,24 @@ WheelMotion Roll(const Eigen::Vector3d& contact_in_imu, bool is_steered, double 
 }
 
 }  // namespace
+
+Odometry ChainedOdometry(const DrivenRover& rover, const std::function<Rigid3(int)>& step) {
+  Odometry odometry;
+  for (int i = 0; i < static_cast<int>(rover.dataset.frames.size()); ++i) {
+    OdometryFrame frame{.stamp_ns = rover.dataset.frames[i].stamp_ns,
+                        .reference = std::max(0, i - 1),
+                        .source = PoseSource::kOdometry,
+                        .keyframe = true};
+    frame.step_covariance.diagonal() << 1e-6, 1e-6, 1e-6, 1e-8, 1e-8, 1e-8;
+    if (i > 0) frame.world_from_left = odometry.back().world_from_left * step(i);
+    odometry.push_back(frame);
+  }
+  return odometry;
+}
+
+Rigid3 TrueMotion(const DrivenRover& rover, int frame) {
+  return rover.gauge_from_left[frame - 1].Inverse() * rover.gauge_from_left[frame];
+}
 
 RoverWheels SixWheels() {
   RoverWheels rover{kWheelRadius_m, {}};

@@ -25,6 +25,12 @@ DrivenRover DriveRover(int frames, const std::function<Drive(double)>& drive);
 VisualStep TrueStep(const DrivenRover& rover, int from, int to, double sigma_m = 0.003,
                     double sigma_rad = 0.001);
 
+// Each frame measured against the one before, by the motion that `step` gives: frame to the one
+// before.
+Odometry ChainedOdometry(const DrivenRover& rover, const std::function<Rigid3(int)>& step);
+// As the frame truly moved.
+Rigid3 TrueMotion(const DrivenRover& rover, int frame);
+
 // Contacts of six wheels, the corner ones steered.
 RoverWheels SixWheels();
 

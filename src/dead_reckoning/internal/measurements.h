@@ -16,4 +16,7 @@ Measurement BiasAtRest(const Belief& belief, const MeanRate& rate, const RoverMo
 // multiplies its covariance.
 Measurement VisualMotionOf(const Belief& belief, const VisualStep& step, double noise_factor);
 
+// Of the motion since a frame that is among the clones, as a VisualStep's.
+Matrix6d CovarianceSince(int frame, const Belief& belief);
+
 }  // namespace rigmap
