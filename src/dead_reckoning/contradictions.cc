@@ -8,11 +8,11 @@
 namespace rigmap {
 namespace {
 
-constexpr double kFlatShare = 0.5, kFlatTurn_rad = 0.1;
+constexpr double kFlatShare = 0.5, kFlat_m = 0.02, kFlatTurn_rad = 0.1;
 
 bool DifferFlatly(const Rigid3& a, const Rigid3& b) {
   const double way_m = std::max(a.translation.norm(), b.translation.norm());
-  return (a.translation - b.translation).norm() > kFlatShare * way_m ||
+  return (a.translation - b.translation).norm() > std::max(kFlat_m, kFlatShare * way_m) ||
          LogRotation(a.rotation.conjugate() * b.rotation).norm() > kFlatTurn_rad;
 }
 

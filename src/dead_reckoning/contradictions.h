@@ -16,9 +16,9 @@ struct Contradictions {
 };
 
 // Of an odometry whose gaps are bridged: its steps that wheels and gyro contradict beyond their
-// noise and any slip, and flatly: by half of the longer way or a turn of 0.1 rad. Units, radii or
-// axes that are somewhat off do not make that; a camera that hung, or what moves along with the
-// rover, does. Nothing where the rover has no wheels or gyro that can be used.
+// noise and any slip, and flatly: by half of the longer way and two centimetres, or a turn of 0.1
+// rad. Units, radii or axes that are somewhat off do not make that; a camera that hung, or what
+// moves along with the rover, does. Nothing where the rover has no wheels or gyro that can be used.
 std::optional<Contradictions> FlatContradictions(const Dataset& dataset, const Odometry& odometry,
                                                  const DeadReckoningOptions& options,
                                                  const FilterOptions& filter);

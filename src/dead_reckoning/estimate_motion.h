@@ -33,8 +33,8 @@ struct EstimatedPose {
   Rigid3 gauge_from_left;  // gauge: the left camera of the first frame
   // Of its position (m) and rotation (rad, exp(error) * estimated), gauge axes.
   Matrix6d covariance = Matrix6d::Zero();
-  // Of left_from_reference's motion, as a left perturbation like a VisualStep's; of the wheels and
-  // the gyro alone, without what the scale of visual motion adds. Zero where no reference is given.
+  // Of left_from_reference's motion, as a left perturbation like a VisualStep's, without what the
+  // scale of visual motion adds. Zero where no reference is given.
   Matrix6d since_reference = Matrix6d::Zero();
   bool is_measured = true;  // by images, or by wheels and gyro all the way from the frame before
 };

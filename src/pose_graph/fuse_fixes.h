@@ -50,14 +50,13 @@ struct FusedFixes {
 // Steps keep the motion of the poses given. How far each may be off follows from what the poses
 // say of themselves: a random walk of headings and positions that grows to the sigmas of the least
 // known one that was measured, most in the steps that are known least, and the scale in common;
-// those predicted are as loose as they say,
-// and no fix lies beside them. Heading, inclination, origin and scale are solved with all poses;
-// the first measured pose is held in its world, which only fixes tie to the Earth. Fixes pull under
-// Cauchy's loss first; those further off than noise has them once in 16 000 are then left out, anew
-// until it stays the same
-// (Ceres, one thread: equal input gives equal output). `poses` has two or more. Nothing where fewer
-// than four fixes lie between measured poses, fewer than two thirds of them are believed, or the
-// search does not settle.
+// those predicted are as loose as they say, and no fix lies beside them. Heading, inclination,
+// origin and scale are solved with all poses; the first measured pose is held in its world, which
+// only fixes tie to the Earth. Fixes pull under Cauchy's loss first; those further off than noise
+// has them once in 16 000 are then left out, anew until it stays the same (Ceres, one thread: equal
+// input gives equal output). `poses` has two or more. Nothing where fewer than four fixes lie
+// between measured poses, fewer than two thirds of them are believed, or the search does not
+// settle.
 std::optional<FusedFixes> FuseFixes(const Trajectory& poses, const std::vector<AntennaFix>& fixes,
                                     const FixFusion& fusion);
 
