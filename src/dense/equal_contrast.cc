@@ -39,8 +39,8 @@ std::vector<double> Deciles(const cv::Mat& view, const cv::Mat& mask) {
   return deciles;
 }
 
-}  // namespace
-
+// By how much the left view is brighter: the median ratio of deciles; 1 where one view has hardly
+// any usable pixels, or is black.
 double BrightnessRatio(const cv::Mat& left, const cv::Mat& right, const cv::Mat& left_mask,
                        const cv::Mat& right_mask) {
   const std::vector<double> of_left = Deciles(left, left_mask),
@@ -51,6 +51,8 @@ double BrightnessRatio(const cv::Mat& left, const cv::Mat& right, const cv::Mat&
   }
   return ratios.empty() ? 1.0 : Median(std::move(ratios));
 }
+
+}  // namespace
 
 void EqualiseContrast(const cv::Mat& left_mask, const cv::Mat& right_mask, cv::Mat& left,
                       cv::Mat& right) {

@@ -196,8 +196,9 @@ Cause SensorsContradict(const Failed& failed) {
       fmt::format("images and wheels tell of different motions in {} % of the steps (expected: "
                   "at most {} %)",
                   ValueText(gate, 100.0), LimitText(gate, 100.0)),
-      "look at the images of these frames for what moves along with the rover, and whether they "
-      "move on; compare --technique vo with wheels; look at units and columns of the wheels' "
+      "look at the images of the frames that the gate names in summary.json: does something move "
+      "along with the rover, or do they not move on; compare --technique vo with wheels; look at "
+      "units and columns of the wheels' "
       "file, or do without what is wrong: --set filter.use_wheels=false, filter.use_gyro=false"};
 }
 

@@ -1,5 +1,8 @@
 #include "workflows/stages/sensor_gates.h"
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include "dead_reckoning/contradictions.h"
 #include "gates/gates.h"
 #include "pipeline/code_identity.h"
@@ -23,6 +26,9 @@ Report JudgeSensors(const Dataset& dataset, const AdjustedPart& part,
   gate.value = static_cast<double>(found->frames.size()) / found->steps;
   gate.passed = *gate.value <= kMostFlat;
   gate.why = "share of the images' steps that wheels and gyro flatly contradict";
+  if (!found->frames.empty()) {
+    gate.why += fmt::format(", those to the frames {}", fmt::join(found->frames, ", "));
+  }
   return ReportGates({gate});
 }
 
