@@ -7,6 +7,7 @@
 #include <fstream>
 #include <sstream>
 #include <string_view>
+#include <utility>
 
 #include "core/error.h"
 
@@ -34,7 +35,14 @@ void Rename(const std::filesystem::path& from, const std::filesystem::path& to) 
   if (code) throw DataError(fmt::format("{}: cannot write: {}", to.string(), code.message()));
 }
 
-DataError CannotWrite(const std::filesystem::path& path) {
+DataError CannotWrite(const std::filesystem::path& path, std::ofstream& stream) {
+  if (stream.is_open()) {
+    // What the system said last may be about another file; it says it again.
+    const int last = std::exchange(errno, 0);
+    stream.clear();
+    stream.put('\0').flush();
+    if (errno == 0) errno = last;
+  }
   return DataError(fmt::format("{}: cannot write: {}", path.string(), std::strerror(errno)));
 }
 
@@ -44,7 +52,7 @@ void WriteTo(std::ofstream& stream, const std::filesystem::path& path,
   try {
     write(stream);
   } catch (const std::exception&) {
-    if (!stream) throw CannotWrite(path);
+    if (!stream) throw CannotWrite(path, stream);
     throw;
   }
 }
@@ -81,7 +89,7 @@ void WriteFileAtomically(const std::filesystem::path& path,
     std::ofstream stream(temporary, std::ios::binary | std::ios::trunc);
     if (stream) WriteTo(stream, path, write);
     stream.close();
-    if (!stream) throw CannotWrite(path);
+    if (!stream) throw CannotWrite(path, stream);
     Rename(temporary, path);
   } catch (...) {
     std::error_code ignored;

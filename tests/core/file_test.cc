@@ -2,8 +2,10 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 
 #include <cerrno>
+#include <csignal>
 #include <iterator>
 #include <ostream>
 
@@ -145,6 +147,30 @@ TEST(FolderTest, LeftoversOfAKilledRunDoNotStay) {
   });
   EXPECT_EQ(CountEntries(path), 1);
   EXPECT_EQ(CountEntries(folder.Path()), 1);
+}
+
+// As a full disk does, while the writer has other files open as well.
+TEST(FileTest, AFailedWriteIsToldByItsOwnReason) {
+  const TemporaryFolder folder;
+  const auto path = folder.Path() / "large.bin";
+  rlimit before;
+  ASSERT_EQ(getrlimit(RLIMIT_FSIZE, &before), 0);
+  const rlimit small{1 << 16, before.rlim_max};
+  const auto old = std::signal(SIGXFSZ, SIG_IGN);
+  ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &small), 0);
+  const std::string complaint = MessageOf<DataError>([&] {
+    WriteFileAtomically(path, [&](std::ostream& stream) {
+      for (int i = 0; i < 100; ++i) {
+        stream << std::string(10000, 'x');
+        errno = ENOENT;  // of another file
+      }
+      if (!stream) throw std::runtime_error("the stream failed");
+    });
+  });
+  setrlimit(RLIMIT_FSIZE, &before);
+  std::signal(SIGXFSZ, old);
+  EXPECT_THAT(complaint, HasSubstr("large.bin: cannot write: File too large"));
+  EXPECT_EQ(CountEntries(folder.Path()), 0);
 }
 
 TEST(FileTest, TemporaryNames) {
