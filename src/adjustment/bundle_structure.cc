@@ -43,15 +43,19 @@ void BundleSolver::NumberUnknowns() {
 }
 
 void BundleSolver::ListViews() {
-  for (const AdjustedPoint& point : bundle_.points) {
-    first_view_.push_back(views_.size());
+  const auto for_views = [&](const AdjustedPoint& point, const auto& visit) {
     int last_frame = -1;
     for (const PointObservation& o : point.observations) {
-      if (o.frame != last_frame && unknown_[o.frame] >= 0) {
-        views_.push_back({unknown_[o.frame], 0, PosePoint::Zero()});
-      }
+      if (o.frame != last_frame && unknown_[o.frame] >= 0) visit(unknown_[o.frame]);
       last_frame = o.frame;
     }
+  };
+  std::size_t count = 0;
+  for (const AdjustedPoint& point : bundle_.points) for_views(point, [&](int) { ++count; });
+  views_.reserve(count);  // the largest that there is: no room for more
+  for (const AdjustedPoint& point : bundle_.points) {
+    first_view_.push_back(views_.size());
+    for_views(point, [&](int unknown) { views_.push_back({unknown, 0, PosePoint::Zero()}); });
   }
   first_view_.push_back(views_.size());
   eliminated_.resize(points_.size());

@@ -1,5 +1,7 @@
 #include "workflows/stages/inputs.h"
 
+#include <memory>
+
 namespace rigmap {
 namespace {
 
@@ -17,15 +19,17 @@ Report ReportDataset(const Dataset& dataset) {
 PartInputs AddPartInputs(StageGraph& graph, const Dataset& dataset, const DatasetContent& content,
                          const ColmapOptions& colmap_options,
                          const std::optional<std::vector<GnssFix>>& judges) {
-  const auto open_dataset = [dataset, content] { return std::pair(content.Key(), dataset); };
+  // Its sensors are a hundred times as many as its frames: one copy for all.
+  const auto shared = std::make_shared<const Dataset>(dataset);
+  const auto open_dataset = [shared, content] { return std::pair(content.Key(), *shared); };
   const auto open_content = [content] { return std::pair(content.Key(), content); };
-  const auto open_truth = [dataset, judges] {
-    Truth truth{dataset.truth_path, judges.value_or(dataset.fixes), dataset.surveyed_landmarks};
+  const auto open_truth = [shared, judges] {
+    Truth truth{shared->truth_path, judges.value_or(shared->fixes), shared->surveyed_landmarks};
     std::string key = DescribeTruth(truth);
     return std::pair(std::move(key), std::move(truth));
   };
-  const auto open_fixes = [dataset] {
-    return std::pair(DescribeTruth({"", dataset.fixes, {}}), Fixes{dataset.fixes});
+  const auto open_fixes = [shared] {
+    return std::pair(DescribeTruth({"", shared->fixes, {}}), Fixes{shared->fixes});
   };
   // The version is the key: how long one waits for it changes nothing.
   const auto open_colmap = [colmap_options] {
