@@ -25,13 +25,13 @@ constexpr double kRounding = 1e-9;
 
 // In what no correction changes.
 bool IsSameKind(const Camera& a, const Camera& b) {
-  return a.width == b.width && a.height == b.height && a.k3 == b.k3 &&
-         std::abs(a.fy / a.fx - b.fy / b.fx) < kRounding;
+  return a.width == b.width && a.height == b.height && a.k3 == b.k3;
 }
 
 bool DoStateTheSame(const RigSigmas& a, const RigSigmas& b) {
   const auto all = [](const RigSigmas& s) {
-    return std::tie(s.rotation_deg, s.focal_pct, s.principal_point_px, s.distortion_px, s.board_px);
+    return std::tie(s.rotation_deg, s.focal_pct, s.aspect_pct, s.principal_point_px,
+                    s.distortion_px, s.board_px);
   };
   return all(a) == all(b);
 }

@@ -47,6 +47,7 @@ Report Blank() {
         {"parameters", nullptr},
         {"right_eye_turned_deg", nullptr},
         {"focal_changed_pct", nullptr},
+        {"aspect_changed_pct", nullptr},
         {"largest_shift_px", nullptr},
         {"infinity_offset_px", nullptr},
         {"infinity_offset_sigma_px", nullptr},

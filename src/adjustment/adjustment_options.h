@@ -14,6 +14,7 @@ struct AdjustmentOptions {
   double refine_sigmas = 3.0;
   double rig_prior_deg = 0.1;
   double focal_prior_pct = 0.5;
+  double aspect_prior_pct = 0.1;
   double principal_point_prior_px = 0.5;
   double distortion_prior_px = 1.0;
   double board_noise_px = 0.7;

@@ -81,8 +81,8 @@ std::optional<ProbableCorrection> MostProbable(RigRefinement refined, const Cali
 // correction lies from it. Regions of the image that ask for different focal lengths leave it as
 // uncertain as a jackknife over them tells (delete one region, Efron and Stein 1981). Where the
 // images ask for one that left-out stretches or regions contradict, or beside a field of the lens,
-// they do not know it: the square of its sigma is half of what noise does not explain of theirs or,
-// where they ask for less, of what two sigmas of noise would make of it, and at most the prior's;
+// they do not know it: half of what they ask for, but for noise, may be its error; where they ask
+// for less it is what two sigmas of noise would make of it, and at most the prior's sigma;
 // the sigma is no less than half of what they ask for.
 // Where the equations are singular the prior counts.
 CalibrationMatrix CalibrationError(RigRefinement refined, const CalibrationVector& now,

@@ -16,10 +16,24 @@ namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
 
+// Pixels are square nearly everywhere: a file that says otherwise may be off by as much as it says.
+double LogFromSquare(const StereoRig& rig) {
+  double squares = 0.0;
+  for (const Eye eye : {Eye::kLeft, Eye::kRight}) {
+    const Camera& camera = rig.Of(eye).camera;
+    squares += 0.5 * std::pow(std::log(camera.fy / camera.fx), 2.0);
+  }
+  return std::sqrt(squares);
+}
+
 CalibrationVector SigmasOf(const StereoRig& rig, const AdjustmentOptions& options) {
   CalibrationVector sigmas;
   sigmas.segment<3>(kRotationX).setConstant(options.rig_prior_deg * kDegree);
   sigmas.segment<2>(kLogFocal).setConstant(options.focal_prior_pct / 100.0);
+  const double aspect = options.aspect_prior_pct / 100.0;
+  sigmas(kLogAspect) =
+      rig.stated_sigmas.aspect_pct ? aspect : std::hypot(aspect, LogFromSquare(rig));
+  sigmas(kLogRightAspect) = aspect;
   sigmas.segment<4>(kLeftCx).setConstant(options.principal_point_prior_px);
   for (const Eye eye : {Eye::kLeft, Eye::kRight}) {
     const Camera& camera = rig.Of(eye).camera;
@@ -37,6 +51,7 @@ CalibrationVector SigmasOf(const StereoRig& rig, const AdjustmentOptions& option
 AdjustmentOptions WithStated(AdjustmentOptions options, const RigSigmas& stated) {
   options.rig_prior_deg = stated.rotation_deg.value_or(options.rig_prior_deg);
   options.focal_prior_pct = stated.focal_pct.value_or(options.focal_prior_pct);
+  options.aspect_prior_pct = stated.aspect_pct.value_or(options.aspect_prior_pct);
   options.principal_point_prior_px =
       stated.principal_point_px.value_or(options.principal_point_prior_px);
   options.distortion_prior_px = stated.distortion_px.value_or(options.distortion_prior_px);
@@ -51,7 +66,7 @@ constexpr double kTilt = 30.0 * kDegree;
 constexpr double kParallax = 0.25;  // of the image's width, of the nearer board in the other eye
 constexpr double kMinBaselines = 4.0;
 
-// What a view has unknown: the rig's 17 parameters, the baseline's translation, the board's pose.
+// What a view has unknown: the rig's 19 parameters, the baseline's translation, the board's pose.
 constexpr int kTranslation = kCalibrationSize, kRigSize = kTranslation + 3,
               kUnknowns = kRigSize + 6;
 using ViewUnknowns = Eigen::Matrix<double, kUnknowns, 1>;

@@ -13,7 +13,7 @@ CalibrationPrior PriorOf(const StereoRig& rig, const AdjustmentOptions& options)
 
 // Of a correction of the rig, when it was calibrated with a square board that both eyes see in 25
 // views, to 1 px: in the middle and towards the corners of the image, facing the camera and tilted,
-// near and far. Poses of the board and the baseline are estimated along with 16 parameters; the
+// near and far. Poses of the board and the baseline are estimated along with 18 parameters; the
 // common focal length is held, so that what is not known of it is a figure of its own. No parameter
 // has more than ten times its sigma of `alone`.
 CalibrationMatrix BoardCovariance(const StereoRig& rig, const CalibrationVector& alone);

@@ -1,6 +1,8 @@
 // What a correction makes of the rig, and of what is infinitely far.
 #include <algorithm>
 #include <cmath>
+#include <tuple>
+#include <utility>
 
 #include "adjustment/calibration.h"
 
@@ -11,9 +13,10 @@ StereoRig Corrected(const StereoRig& rig, const CalibrationVector& correction) {
   corrected.right_from_left =
       Rigid3{ExpRotation(correction.segment<3>(kRotationX)), Eigen::Vector3d::Zero()} *
       rig.right_from_left;
-  const auto correct = [&](Camera& camera, double log_focal, int centre, int k1) {
+  const auto correct = [&](Camera& camera, double log_focal, double log_aspect, int centre,
+                           int k1) {
     camera.fx *= std::exp(log_focal);
-    camera.fy *= std::exp(log_focal);
+    camera.fy *= std::exp(log_focal + log_aspect);
     camera.cx += correction(centre);
     camera.cy += correction(centre + 1);
     camera.k1 += correction(k1);
@@ -21,9 +24,9 @@ StereoRig Corrected(const StereoRig& rig, const CalibrationVector& correction) {
     camera.p1 += correction(k1 + 2);
     camera.p2 += correction(k1 + 3);
   };
-  correct(corrected.left.camera, correction(kLogFocal), kLeftCx, kLeftK1);
-  correct(corrected.right.camera, correction(kLogFocal) + correction(kLogRightFocal), kRightCx,
-          kRightK1);
+  correct(corrected.left.camera, correction(kLogFocal), correction(kLogAspect), kLeftCx, kLeftK1);
+  correct(corrected.right.camera, correction(kLogFocal) + correction(kLogRightFocal),
+          correction(kLogAspect) + correction(kLogRightAspect), kRightCx, kRightK1);
   return corrected;
 }
 
@@ -34,11 +37,15 @@ CalibrationVector CorrectionBetween(const StereoRig& from, const StereoRig& to) 
   const auto between = [&](const Camera& a, const Camera& b, int centre, int k1) {
     correction.segment<2>(centre) << b.cx - a.cx, b.cy - a.cy;
     correction.segment<4>(k1) << b.k1 - a.k1, b.k2 - a.k2, b.p1 - a.p1, b.p2 - a.p2;
-    return std::log(b.fx / a.fx);
+    const double by_x = std::log(b.fx / a.fx), by_y = std::log(b.fy / a.fy);
+    return std::pair(by_x, by_y - by_x);
   };
-  correction(kLogFocal) = between(from.left.camera, to.left.camera, kLeftCx, kLeftK1);
-  correction(kLogRightFocal) =
-      between(from.right.camera, to.right.camera, kRightCx, kRightK1) - correction(kLogFocal);
+  std::tie(correction(kLogFocal), correction(kLogAspect)) =
+      between(from.left.camera, to.left.camera, kLeftCx, kLeftK1);
+  const auto [right_focal, right_aspect] =
+      between(from.right.camera, to.right.camera, kRightCx, kRightK1);
+  correction(kLogRightFocal) = right_focal - correction(kLogFocal);
+  correction(kLogRightAspect) = right_aspect - correction(kLogAspect);
   return correction;
 }
 

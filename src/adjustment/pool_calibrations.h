@@ -15,7 +15,7 @@ struct CalibrationWitness {
 };
 
 // Three sigmas in every parameter. Chance alone would stay below kSquareByChance (99.9 % of chi
-// square with seventeen degrees of freedom), but a rig that is used gives a little: halves of one
+// square with nineteen degrees of freedom), but a rig that is used gives a little: halves of one
 // drive in a sand yard differ by 1.3, those of a car's by 4.
 inline constexpr double kSameRigSquare = 9.0;
 inline constexpr double kSquareByChance = 2.4;

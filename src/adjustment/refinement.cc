@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "adjustment/calibration.h"
 #include "adjustment/internal/calibration_system.h"
@@ -63,6 +64,28 @@ double FocalVarianceOverRegions(const CalibrationVector& now, const CalibrationE
   return std::max(0.0, (count - 1.0) * (squares / count - (sum / count) * (sum / count)));
 }
 
+// What images ask for is the error of the focal length, what makes them ask besides, and noise of
+// this variance. Nothing tells how it is divided between the former two: both are as likely, each
+// with half of the square that noise does not explain. The error then lies about a good half of
+// what is asked; of a normal one about zero with the same 95 per cent, this is the variance.
+double SquareOfErrorWithin(double asked, double variance) {
+  constexpr double kOf95 = 1.96;
+  constexpr int kHalvings = 40;
+  const double either = 0.5 * (asked * asked - variance);
+  if (!(either > 0.0)) return 0.0;
+  const double mean = asked * either / (2.0 * either + variance);
+  const double deviation = std::sqrt(either * (either + variance) / (2.0 * either + variance));
+  const auto above = [&](double bound) {
+    return 0.5 * std::erfc(bound / deviation / std::numbers::sqrt2);
+  };
+  double low = 0.0, high = mean + 4.0 * deviation;
+  for (int i = 0; i < kHalvings; ++i) {
+    const double bound = 0.5 * (low + high);
+    (above(bound - mean) + above(bound + mean) > 0.05 ? low : high) = bound;
+  }
+  return high * high / (kOf95 * kOf95);
+}
+
 // What the others would do if the focal length were another one.
 CalibrationVector FollowingFocal(const CalibrationMatrix& covariance) {
   return covariance.col(kLogFocal) / covariance(kLogFocal, kLogFocal);
@@ -86,14 +109,12 @@ CalibrationMatrix CalibrationError(RigRefinement refined, const CalibrationVecto
     return held + std::max(variance, unlike) * by_focal + off * off.transpose();
   }
   const CalibrationVector off_held = off - off(kLogFocal) * following;
-  // What they ask for is the error of the focal length, what makes them ask besides, and noise.
-  // Nothing tells how it is divided between the former two: in the mean half of the square that
-  // noise does not explain is either's, and of one that noise may have cancelled by chance no less
-  // than kLeast. If they are right all the same, it is two sigmas away at most.
+  // Of what noise may have cancelled by chance no less than kLeast counts. If they are right all
+  // the same, it is two sigmas away at most.
   constexpr double kMostSigmas = 2.0, kLeast = 2.5;  // the latter of the noise's variance
   const double asked = std::abs(off(kLogFocal)), square = asked * asked;
-  const double share =
-      std::min(square + variance, std::max(0.5 * (square - variance), kLeast * variance));
+  const double share = std::min(square + variance,
+                                std::max(SquareOfErrorWithin(asked, variance), kLeast * variance));
   const double sigma =
       std::max(asked / kMostSigmas, std::min(prior.sigmas(kLogFocal), std::sqrt(share)));
   return held + off_held * off_held.transpose() + sigma * sigma * by_focal;

@@ -28,6 +28,7 @@ std::optional<Reprojection> Reproject(const StereoRig& rig, Eye eye, const Rigid
       is_left ? by_eye
               : Eigen::Matrix<double, 2, 3>(by_eye * right_from_left.rotation.toRotationMatrix());
   const Eigen::Vector2d from_centre = result.pixel - Eigen::Vector2d(camera.cx, camera.cy);
+  const Eigen::Vector2d by_aspect(0.0, from_centre.y());
   ReprojectionJacobians& jacobians = result.jacobians;
   jacobians.pose << -by_left * Skew(turned), by_left;
   jacobians.point = by_left * left_from_world.rotation.toRotationMatrix();
@@ -35,8 +36,10 @@ std::optional<Reprojection> Reproject(const StereoRig& rig, Eye eye, const Rigid
   if (!is_left) {
     jacobians.calibration.middleCols<3>(kRotationX) = -by_eye * Skew(in_eye);
     jacobians.calibration.col(kLogRightFocal) = from_centre;
+    jacobians.calibration.col(kLogRightAspect) = by_aspect;
   }
   jacobians.calibration.col(kLogFocal) = from_centre;
+  jacobians.calibration.col(kLogAspect) = by_aspect;
   jacobians.calibration.middleCols<2>(is_left ? kLeftCx : kRightCx).setIdentity();
   const double u = normalised.x(), v = normalised.y(), r2 = normalised.squaredNorm();
   const Eigen::Vector2d radial(camera.fx * u, camera.fy * v);

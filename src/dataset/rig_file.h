@@ -20,15 +20,15 @@
 //                      steered_by       6 numbers: its steering joint 1 to 4; 0: none
 //                      radius_m         optional
 //   sigmas             optional: baseline_m, one standard deviation of the baseline's length; and
-//                      either rotation_deg, focal_pct, principal_point_px, distortion_px, board_px,
-//                      each optional (RigSigmas of scene/rig.h), or
-//                      covariance, that of a correction of this rig (scene/calibration.h), 153
+//                      either rotation_deg, focal_pct, aspect_pct, principal_point_px,
+//                      distortion_px, board_px, each optional (RigSigmas of scene/rig.h), or
+//                      covariance, that of a correction of this rig (scene/calibration.h), 190
 //                      numbers: the upper triangle, row by row
 //   pool               optional, written by `rigmap calibrate` (scene/rig_pool.h):
 //                      start  the rig before any part was seen, with the keys above
 //                      parts  a list: frames, keys of the part's frames (DatasetContent::images)
 //                             with blanks between; of the rig as all other parts tell it the
-//                             correction of start, 17 numbers, and the covariance, as above
+//                             correction of start, 19 numbers, and the covariance, as above
 #pragma once
 
 #include <filesystem>

@@ -17,6 +17,7 @@ RigSigmas ReadSingleSigmas(const YamlNode& node) {
   RigSigmas stated;
   for (const auto& [key, sigma] : {std::pair{"rotation_deg", &stated.rotation_deg},
                                    {"focal_pct", &stated.focal_pct},
+                                   {"aspect_pct", &stated.aspect_pct},
                                    {"principal_point_px", &stated.principal_point_px},
                                    {"distortion_px", &stated.distortion_px},
                                    {"board_px", &stated.board_px}}) {
@@ -39,8 +40,8 @@ RigSigmas ReadSingleSigmas(const YamlNode& node) {
 }  // namespace
 
 void ReadSigmasNode(const YamlNode& node, StereoRig& rig) {
-  node.RequireKeys({"baseline_m", "covariance", "rotation_deg", "focal_pct", "principal_point_px",
-                    "distortion_px", "board_px"});
+  node.RequireKeys({"baseline_m", "covariance", "rotation_deg", "focal_pct", "aspect_pct",
+                    "principal_point_px", "distortion_px", "board_px"});
   if (const YamlNode* baseline = node.Find("baseline_m")) {
     const double sigma_m = baseline->AsDouble();
     if (!(sigma_m >= 0.0)) {

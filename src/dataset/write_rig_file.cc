@@ -64,6 +64,7 @@ std::string FormatSigmas(const StereoRig& rig) {
   const RigSigmas& stated = rig.stated_sigmas;
   add("rotation_deg", stated.rotation_deg);
   add("focal_pct", stated.focal_pct);
+  add("aspect_pct", stated.aspect_pct);
   add("principal_point_px", stated.principal_point_px);
   add("distortion_px", stated.distortion_px);
   add("board_px", stated.board_px);

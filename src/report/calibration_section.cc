@@ -15,9 +15,10 @@ namespace rigmap {
 namespace {
 
 const std::vector<std::string> kParameterNames{
-    "right turned x", "right turned y", "right turned z", "focal lengths", "right focal", "left cx",
-    "left cy",        "right cx",       "right cy",       "left k1",       "left k2",     "left p1",
-    "left p2",        "right k1",       "right k2",       "right p1",      "right p2"};
+    "right turned x", "right turned y", "right turned z", "focal lengths", "right focal",
+    "fy / fx",        "right fy / fx",  "left cx",        "left cy",       "right cx",
+    "right cy",       "left k1",        "left k2",        "left p1",       "left p2",
+    "right k1",       "right k2",       "right p1",       "right p2"};
 
 Json ReadCalibrationJson(const std::filesystem::path& root) {
   try {
@@ -89,6 +90,8 @@ std::string CorrectionTable(const FigureSource& summary) {
                   : "changes rows");
   }
   row("Focal length changed", Figure(summary, "/rig/focal_changed_pct", Quantity::kPercent),
+      "of the left camera");
+  row("fy / fx changed", Figure(summary, "/rig/aspect_changed_pct", Quantity::kPercent),
       "of the left camera");
   row("Largest shift", Figure(summary, "/rig/largest_shift_px", Quantity::kPixels),
       "of what is infinitely far, in the right image");

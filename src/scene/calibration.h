@@ -12,14 +12,17 @@ namespace rigmap {
 
 // Parameters of a correction of a stereo rig, in this order: the right eye's rotation about its own
 // centre (rad, right camera axes), so that the baseline's length stays; the logarithm of a factor
-// on all focal lengths, and of another on the right eye's; principal points (px); of both eyes k1,
-// k2, p1 and p2 of OpenCV's distortion model.
+// on all focal lengths, and of another on the right eye's; that of a factor on fy of both eyes (fx
+// is where the metres come from), and of another on the right eye's; principal points (px); of both
+// eyes k1, k2, p1 and p2 of OpenCV's distortion model.
 enum CalibrationParameter {
   kRotationX,
   kRotationY,
   kRotationZ,
   kLogFocal,
   kLogRightFocal,
+  kLogAspect,
+  kLogRightAspect,
   kLeftCx,
   kLeftCy,
   kRightCx,

@@ -64,15 +64,16 @@ struct RoverWheels {
 };
 
 // What a rig file states of its own calibration, each in place of the adjustment's option of what
-// is usual: how far off the right eye's rotation, focal lengths, principal points and each term of
-// the distortion (in the corner of the image) may be by themselves, and the noise of the board's
-// corners that it was calibrated with. One standard deviation each.
+// is usual: how far off the right eye's rotation, focal lengths, their ratio fy / fx, principal
+// points and each term of the distortion (in the corner of the image) may be by themselves, and the
+// noise of the board's corners that it was calibrated with. One standard deviation each.
 struct RigSigmas {
-  std::optional<double> rotation_deg, focal_pct, principal_point_px, distortion_px, board_px;
+  std::optional<double> rotation_deg, focal_pct, aspect_pct, principal_point_px, distortion_px,
+      board_px;
 
   template <class Archive>
   void serialize(Archive& archive) {
-    archive(rotation_deg, focal_pct, principal_point_px, distortion_px, board_px);
+    archive(rotation_deg, focal_pct, aspect_pct, principal_point_px, distortion_px, board_px);
   }
 };
 

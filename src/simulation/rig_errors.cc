@@ -35,6 +35,11 @@ void ScaleFocals(StereoRig& rig, double per_cent) {
   }
 }
 
+void SquashPixels(StereoRig& rig, double per_cent) {
+  rig.left.camera.fx /= 1.0 + per_cent / 100.0;
+  rig.right.camera.fx /= 1.0 + per_cent / 100.0;
+}
+
 void ScaleBaseline(StereoRig& rig, double per_cent) {
   rig.right_from_left.translation *= 1.0 + per_cent / 100.0;
 }
@@ -57,7 +62,7 @@ struct RigError {
   void (*apply)(StereoRig& rig, double value);
 };
 
-constexpr std::array<RigError, 12> kRigErrors{{
+constexpr std::array<RigError, 13> kRigErrors{{
     {"turn-x", "degrees that the right eye is turned about its x axis (pitch)", &TurnRightEye<0>},
     {"turn-y", "about its y axis (yaw)", &TurnRightEye<1>},
     {"turn-z", "about its z axis (roll)", &TurnRightEye<2>},
@@ -68,6 +73,7 @@ constexpr std::array<RigError, 12> kRigErrors{{
      [](StereoRig& rig, double px) { rig.right.camera.cx += px; }},
     {"right-cy", "", [](StereoRig& rig, double px) { rig.right.camera.cy += px; }},
     {"focal", "per cent, focal lengths of both eyes", &ScaleFocals},
+    {"aspect", "per cent, fy / fx of both eyes, fx alone being wrong", &SquashPixels},
     {"k1", "first coefficient of radial distortion, both eyes",
      [](StereoRig& rig, double k1) {
        rig.left.camera.k1 += k1;

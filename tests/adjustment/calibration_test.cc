@@ -137,6 +137,20 @@ TEST_F(CalibrationTest, LeftToItselfTheAdjustmentCorrectsOnlyWhatIsWrong) {
   EXPECT_LT(std::abs(RotationAndFocalStep(*wrong.calibration)->log_focal), 0.0005);
 }
 
+// By half a per cent of fx alone, in both eyes.
+TEST_F(CalibrationTest, PixelsThatAreNotAsTheFileHasThemAreFound) {
+  Make({.frames = 30, .curve_rad_per_m = 0.3, .points_per_m2 = 15.0, .seed = 81});
+  true_rig_ = rover_.rig;
+  for (RigEye* eye : {&rover_.rig.left, &rover_.rig.right}) eye->camera.fx /= 1.005;
+  const Adjustment found = Adjust(AllOf(rover_.world_from_left), {.shared_noise = 1.0});
+  EXPECT_TRUE(found.IsRigCorrected());
+  for (const Eye eye : {Eye::kLeft, Eye::kRight}) {
+    const Camera &is = found.rig.Of(eye).camera, &truth = true_rig_.Of(eye).camera;
+    EXPECT_NEAR(is.fy / is.fx / (truth.fy / truth.fx), 1.0, 0.0005);
+    EXPECT_NEAR(is.fx / truth.fx, 1.0, 0.001);
+  }
+}
+
 TEST_F(CalibrationTest, APathShorterThanTheBaselineSaysNothing) {
   for (const double path_m : {0.1, 0.15}) {
     Make({.frames = 6, .step_m = path_m / 5.0, .points_per_m2 = 12.0, .seed = 82});
@@ -159,6 +173,7 @@ TEST_F(CalibrationTest, SigmasTakeInWhatTheRigIsNotKnownBy) {
   const Adjustment known = Adjust(poses, {.refine_rig = RigRefinement::kNone,
                                           .rig_prior_deg = 1e-6,
                                           .focal_prior_pct = 1e-6,
+                                          .aspect_prior_pct = 1e-6,
                                           .principal_point_prior_px = 1e-6,
                                           .distortion_prior_px = 1e-6});
   TurnRight(kTurn_rad * Eigen::Vector3d::UnitY());
@@ -175,7 +190,9 @@ TEST_F(CalibrationTest, WhatIsNotCorrectedCountsAsWell) {
   AdjustmentOptions surer = held;
   surer.rig_prior_deg = surer.focal_prior_pct = surer.principal_point_prior_px =
       surer.distortion_prior_px = 1e-6;
-  const Adjustment doubted = Adjust(poses, held), sure = Adjust(poses, surer);
+  const Adjustment doubted = Adjust(poses, held);
+  rover_.rig.stated_sigmas.aspect_pct = 1e-6;  // its pixels are not square
+  const Adjustment sure = Adjust(poses, surer);
   const auto variance_m2 = [](const Adjustment& adjustment) {
     return adjustment.covariances.back().topLeftCorner<3, 3>().trace();
   };

@@ -90,14 +90,14 @@ TEST_F(RigFileTest, MayStateTheCovarianceOfItsCalibration) {
   StereoRig rig = Read(SampleRigText());
   CalibrationMatrix covariance = CalibrationMatrix::Identity();
   for (int i = 0; i < kCalibrationSize; ++i) covariance(i, i) = 1e-6 * (i + 1);
-  covariance(0, 16) = covariance(16, 0) = 1e-7;
+  covariance(0, 18) = covariance(18, 0) = 1e-7;
   rig.calibration_covariance = covariance;
   const std::string text = WriteRigFile(rig);
   ASSERT_TRUE(Read(text).calibration_covariance);
   EXPECT_EQ(*Read(text).calibration_covariance, covariance);
   EXPECT_EQ(WriteRigFile(ParseRigFile(text, "rig")), text);
-  EXPECT_THAT(ComplaintAbout("sigmas: {covariance: [1, 2]}"), HasSubstr("153"));
-  covariance(0, 16) = covariance(16, 0) = 1.0;
+  EXPECT_THAT(ComplaintAbout("sigmas: {covariance: [1, 2]}"), HasSubstr("190"));
+  covariance(0, 18) = covariance(18, 0) = 1.0;
   rig.calibration_covariance = covariance;
   EXPECT_THAT(MessageOf<DataError>([&] { Read(WriteRigFile(rig)); }),
               HasSubstr("not positive definite"));
@@ -195,13 +195,15 @@ TEST_F(RigFileTest, MissingKeysAreNamed) {
 
 TEST_F(RigFileTest, StatesSigmasOfItsOwn) {
   const StereoRig rig =
-      Read(SampleRigText() + "sigmas: {focal_pct: 0.1, rotation_deg: 0.02, board_px: 0.2}\n");
+      Read(SampleRigText() +
+           "sigmas: {focal_pct: 0.1, aspect_pct: 0.03, rotation_deg: 0.02, board_px: 0.2}\n");
   EXPECT_EQ(rig.stated_sigmas.focal_pct, 0.1);
   EXPECT_EQ(rig.stated_sigmas.rotation_deg, 0.02);
   EXPECT_EQ(rig.stated_sigmas.board_px, 0.2);
   EXPECT_FALSE(rig.stated_sigmas.principal_point_px);
   const StereoRig again = Read(WriteRigFile(rig));
   EXPECT_EQ(again.stated_sigmas.focal_pct, 0.1);
+  EXPECT_EQ(again.stated_sigmas.aspect_pct, 0.03);
   EXPECT_EQ(again.stated_sigmas.board_px, 0.2);
   EXPECT_FALSE(again.stated_sigmas.distortion_px);
   EXPECT_THAT(ComplaintAbout("sigmas: {distortion_px: 0}"), HasSubstr("a sigma above 0, found 0"));

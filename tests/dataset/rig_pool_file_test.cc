@@ -54,7 +54,7 @@ TEST_F(RigPoolFileTest, NamesTheLineOfWhatIsWrong) {
   EXPECT_THAT(complaint("  parts:", "  partz:"), AllOf(HasSubstr("rig.yaml:"), HasSubstr("partz")));
   EXPECT_THAT(complaint("    - frames:", "    - colour: red\n      frames:"), HasSubstr("colour"));
   EXPECT_THAT(complaint("0123456789ab", "yesterday"), HasSubstr("hexadecimal, found 'yesterday'"));
-  EXPECT_THAT(complaint("correction: [1,", "correction: ["), HasSubstr("17"));
+  EXPECT_THAT(complaint("correction: [1,", "correction: ["), HasSubstr("19"));
   EXPECT_THAT(complaint("    left:", "    baseline_m: 0.12\n    left:"), HasSubstr("baseline_m"));
 }
 

@@ -39,6 +39,8 @@ TEST(RigErrors, EachChangesWhatItSays) {
   EXPECT_DOUBLE_EQ(With("right-cy=-2").right.camera.cy, rig.right.camera.cy - 2.0);
   EXPECT_EQ(With("right-cy=-2").left.camera.cy, rig.left.camera.cy);
   EXPECT_NEAR(With("focal=0.5").right.camera.fy, 1.005 * rig.right.camera.fy, 1e-9);
+  EXPECT_NEAR(With("aspect=0.5").left.camera.fx, rig.left.camera.fx / 1.005, 1e-9);
+  EXPECT_EQ(With("aspect=0.5").right.camera.fy, rig.right.camera.fy);
   EXPECT_NEAR(With("k1=0.01").left.camera.k1, rig.left.camera.k1 + 0.01, 1e-12);
   EXPECT_NEAR(With("baseline=-1").Baseline(), 0.99 * rig.Baseline(), 1e-12);
 }

@@ -127,11 +127,14 @@ Report DescribeRigChange(const StereoRig& calibrated, const Adjustment& adjustme
   const Eigen::Vector3d turn_deg =
       180.0 / std::numbers::pi *
       LogRotation(used.right_from_left.rotation * calibrated.right_from_left.rotation.conjugate());
-  const double focal_pct = 100.0 * (used.left.camera.fx / calibrated.left.camera.fx - 1.0);
+  const Camera &is = used.left.camera, &was = calibrated.left.camera;
+  const double focal_pct = 100.0 * (is.fx / was.fx - 1.0),
+               aspect_pct = 100.0 * (is.fy / is.fx / (was.fy / was.fx) - 1.0);
   return {{"refined", adjustment.IsRigCorrected()},
           {"parameters", NameOf(adjustment.refined)},
           {"right_eye_turned_deg", {turn_deg.x(), turn_deg.y(), turn_deg.z()}},
           {"focal_changed_pct", focal_pct},
+          {"aspect_changed_pct", aspect_pct},
           {"largest_shift_px", adjustment.correction_px},
           {"infinity_offset_px", adjustment.infinity_offset_px},
           {"infinity_offset_sigma_px", adjustment.infinity_offset_sigma_px},
