@@ -71,11 +71,9 @@ OptionFields AdjustmentOptions::Fields() {
        "The same of focal lengths; further out than this it pulls ever less (Student's t with "
        "three degrees of freedom)."},
       {"aspect_prior_pct", &aspect_prior_pct, "per cent", MoreThan(0.0),
-       "The same of fy / fx of both eyes, and of its ratio between them. Of a file whose pixels "
-       "are "
-       "not square also by how much they are not: where nothing is stated, either the sensor or "
-       "the "
-       "file is wrong by that."},
+       "The same of fy / fx of both eyes, and of its ratio between them; that of both with as "
+       "heavy "
+       "a tail."},
       {"principal_point_prior_px", &principal_point_prior_px, "px", MoreThan(0.0),
        "The same of principal points."},
       {"distortion_prior_px", &distortion_prior_px, "px", MoreThan(0.0),

@@ -69,11 +69,13 @@ CalibrationVector WithoutBlock(const CalibrationVector& freed, const Calibration
 
 CalibrationMatrix HeavyTailed(const CalibrationPrior& prior, const CalibrationVector& now) {
   constexpr double kFreedom = 3.0;
-  const double sigmas = now(kLogFocal) / prior.sigmas(kLogFocal);
-  const double times = std::max(1.0, (kFreedom + sigmas * sigmas) / (kFreedom + 1.0));
   CalibrationMatrix information = prior.information;
-  information.row(kLogFocal) /= std::sqrt(times);
-  information.col(kLogFocal) /= std::sqrt(times);
+  for (const CalibrationParameter parameter : {kLogFocal, kLogAspect}) {
+    const double sigmas = now(parameter) / prior.sigmas(parameter);
+    const double times = std::max(1.0, (kFreedom + sigmas * sigmas) / (kFreedom + 1.0));
+    information.row(parameter) /= std::sqrt(times);
+    information.col(parameter) /= std::sqrt(times);
+  }
   return information;
 }
 

@@ -16,24 +16,11 @@ namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
 
-// Pixels are square nearly everywhere: a file that says otherwise may be off by as much as it says.
-double LogFromSquare(const StereoRig& rig) {
-  double squares = 0.0;
-  for (const Eye eye : {Eye::kLeft, Eye::kRight}) {
-    const Camera& camera = rig.Of(eye).camera;
-    squares += 0.5 * std::pow(std::log(camera.fy / camera.fx), 2.0);
-  }
-  return std::sqrt(squares);
-}
-
 CalibrationVector SigmasOf(const StereoRig& rig, const AdjustmentOptions& options) {
   CalibrationVector sigmas;
   sigmas.segment<3>(kRotationX).setConstant(options.rig_prior_deg * kDegree);
   sigmas.segment<2>(kLogFocal).setConstant(options.focal_prior_pct / 100.0);
-  const double aspect = options.aspect_prior_pct / 100.0;
-  sigmas(kLogAspect) =
-      rig.stated_sigmas.aspect_pct ? aspect : std::hypot(aspect, LogFromSquare(rig));
-  sigmas(kLogRightAspect) = aspect;
+  sigmas.segment<2>(kLogAspect).setConstant(options.aspect_prior_pct / 100.0);
   sigmas.segment<4>(kLeftCx).setConstant(options.principal_point_prior_px);
   for (const Eye eye : {Eye::kLeft, Eye::kRight}) {
     const Camera& camera = rig.Of(eye).camera;

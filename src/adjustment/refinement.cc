@@ -66,8 +66,9 @@ double FocalVarianceOverRegions(const CalibrationVector& now, const CalibrationE
 
 // What images ask for is the error of the focal length, what makes them ask besides, and noise of
 // this variance. Nothing tells how it is divided between the former two: both are as likely, each
-// with half of the square that noise does not explain. The error then lies about a good half of
-// what is asked; of a normal one about zero with the same 95 per cent, this is the variance.
+// with half of the square that noise does not explain. The error then lies about half of what
+// is asked, a little less for the noise; of a normal one about zero with the same 95 per cent, this
+// is the variance.
 double SquareOfErrorWithin(double asked, double variance) {
   constexpr double kOf95 = 1.96;
   constexpr int kHalvings = 40;

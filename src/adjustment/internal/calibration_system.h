@@ -14,7 +14,8 @@ struct CalibrationSystem {
   CalibrationVector Solution() const { return matrix.ldlt().solve(right_side); }
 };
 
-// Focal lengths err with a heavy tail: files are of another camera's, or of another focus.
+// Focal lengths and their ratio err with a heavy tail: files are of another camera's, or of another
+// focus, and make pixels that are square differ by half a per cent.
 // Student's t with three degrees of freedom about `now`: within a sigma as it is, far out it hardly
 // pulls.
 CalibrationMatrix HeavyTailed(const CalibrationPrior& prior, const CalibrationVector& now);
