@@ -42,8 +42,7 @@ OptionFields AdjustmentOptions::Fields() {
        "none: the calibration is kept. rotation: the right eye's rotation is corrected. "
        "rotation+focal: also one factor on all focal lengths. all-but-focal: rotation, principal "
        "points, distortion (k1 k2 p1 p2), fy / fx and a factor between the eyes' focal lengths. "
-       "all: "
-       "both. "
+       "all: both. "
        "auto: none, then all-but-focal, then all, each step taken only where stretches of the part "
        "that were left out fit better with it (refine_sigmas), and by enough to matter, a "
        "twentieth of the prior; all only where regions of the image that were left out fit better, "
@@ -72,8 +71,7 @@ OptionFields AdjustmentOptions::Fields() {
        "three degrees of freedom)."},
       {"aspect_prior_pct", &aspect_prior_pct, "per cent", MoreThan(0.0),
        "The same of fy / fx of both eyes, and of its ratio between them; that of both with as "
-       "heavy "
-       "a tail."},
+       "heavy a tail."},
       {"principal_point_prior_px", &principal_point_prior_px, "px", MoreThan(0.0),
        "The same of principal points."},
       {"distortion_prior_px", &distortion_prior_px, "px", MoreThan(0.0),
