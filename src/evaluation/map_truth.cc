@@ -4,12 +4,14 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <iterator>
 #include <map>
 #include <nlohmann/json.hpp>
 
 #include "core/error.h"
 #include "core/file.h"
+#include "evaluation/point_tree.h"
 #include "export/ply_rows.h"
 
 namespace rigmap {
@@ -31,19 +33,57 @@ std::vector<fs::path> RocksFiles(const std::vector<fs::path>& folders) {
   return files;
 }
 
-TrueSurface ReadSurface(const fs::path& path, bool kind_needed) {
+// m; what maps are judged by lies within 6 m of the path, and their points' surface a metre
+// farther.
+constexpr double kReach_m = 8.0;
+
+// Which points are near a path. Asked of a square of a metre once, since points of one come
+// together.
+class Surroundings {
+ public:
+  explicit Surroundings(const std::vector<TumPose>& path) : path_(InPlan(path)), tree_(path_) {}
+
+  bool Hold(const Eigen::Vector3f& x) {
+    const Square square{std::floor(x.x()), std::floor(x.y())};
+    if (square == last_) return last_is_near_;
+    const auto [known, is_new] = is_near_.try_emplace(square, false);
+    if (is_new) {
+      const Eigen::Vector2d middle(square[0] + 0.5, square[1] + 0.5);
+      known->second = tree_.Nearest(middle, kReach_m + std::sqrt(0.5)).has_value();
+    }
+    last_ = square;
+    return last_is_near_ = known->second;
+  }
+
+ private:
+  using Square = std::array<float, 2>;  // its corner, m
+
+  static std::vector<Eigen::Vector2d> InPlan(const std::vector<TumPose>& path) {
+    std::vector<Eigen::Vector2d> points;
+    for (const TumPose& pose : path) {
+      points.emplace_back(pose.world_from_body.translation.head<2>());
+    }
+    return points;
+  }
+
+  std::vector<Eigen::Vector2d> path_;
+  PointTree<Eigen::Vector2d> tree_;
+  std::map<Square, bool> is_near_;
+  std::optional<Square> last_;
+  bool last_is_near_ = false;
+};
+
+TrueSurface ReadSurface(const fs::path& path, bool kind_needed, Surroundings& surroundings) {
   PlyRows rows(path);
   const auto x = rows.At({"x", "y", "z"}), normal = rows.At({"nx", "ny", "nz"});
   const PlyProperty& visible = rows.At("visible");
   const PlyProperty* kind = kind_needed ? &rows.At("kind") : rows.Find("kind");
   TrueSurface surface;
-  surface.x_in_truth.reserve(rows.size());
-  surface.normal.reserve(rows.size());
-  surface.visible.reserve(rows.size());
-  surface.kind.reserve(rows.size());
   for (std::uint64_t i = 0; i < rows.size(); ++i) {
     const char* row = rows.Next();
-    surface.x_in_truth.push_back(rows.FinitePoint(x));
+    const Eigen::Vector3f point = rows.FinitePoint(x);
+    if (!surroundings.Hold(point)) continue;
+    surface.x_in_truth.push_back(point);
     surface.normal.push_back(rows.FinitePoint(normal) / kNormalUnit);
     surface.visible.push_back(PlyValue(visible, row) > 0.0 ? 1 : 0);
     surface.kind.push_back(kind && PlyValue(*kind, row) == kRockKind ? kRockKind : 0);
@@ -95,25 +135,24 @@ std::vector<TrueRock> ReadRocks(const fs::path& path) {
 
 }  // namespace
 
-std::optional<MapTruth> ReadMapTruth(const std::vector<fs::path>& folders) {
+std::optional<MapTruth> ReadMapTruth(const std::vector<fs::path>& folders,
+                                     std::vector<TumPose> path) {
   const auto has_surface = [](const fs::path& folder) { return fs::exists(SurfaceFile(folder)); };
-  if (folders.empty() || !std::ranges::all_of(folders, has_surface)) return std::nullopt;
-  MapTruth truth;
+  if (folders.empty() || path.empty() || !std::ranges::all_of(folders, has_surface))
+    return std::nullopt;
+  Surroundings surroundings(path);
+  MapTruth truth{.path = std::move(path)};
   for (const fs::path& file : RocksFiles(folders)) {
     std::ranges::move(ReadRocks(file), std::back_inserter(truth.rocks));
   }
   for (const fs::path& folder : folders) {
-    std::ranges::move(ReadTum(folder / "trajectory.tum"), std::back_inserter(truth.path));
-    TrueSurface surface = ReadSurface(SurfaceFile(folder), !truth.rocks.empty());
+    TrueSurface surface = ReadSurface(SurfaceFile(folder), !truth.rocks.empty(), surroundings);
     if (folder == folders.front()) {
       truth.surface = std::move(surface);
     } else {
       Add(surface, truth.surface);
     }
   }
-  std::ranges::stable_sort(truth.path, {}, &TumPose::stamp_ns);
-  const auto repeated = std::ranges::unique(truth.path, {}, &TumPose::stamp_ns);
-  truth.path.erase(repeated.begin(), repeated.end());
   return truth;
 }
 

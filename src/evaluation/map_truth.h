@@ -39,16 +39,19 @@ struct MapTruth {
   std::vector<TrueRock> rocks;
 };
 
-// Reads a folder's trajectory.tum, surface.ply and, where it exists, ../rocks.json; of several
-// folders, one for each part of a drive and all in one frame, one path, one surface and their
-// rocks. Points that several parts have are there once, visible where any part has seen them.
-// Nothing where a folder has no surface.ply. surface.ply is a binary little-endian PLY with x y z,
-// nx ny nz (the unit normal times 127), visible and kind (needed where there are rocks);
-// coordinates are taken as float. rocks.json is {"rocks": [{"size", "x", "y", "z", "width", ...},
-// ...]}. Throws DataError naming file, expected and found for anything else.
-std::optional<MapTruth> ReadMapTruth(const std::vector<std::filesystem::path>& folders);
+// Reads a folder's surface.ply and, where it exists, ../rocks.json; of several folders, one for
+// each part of a drive and all in one frame, one surface and their rocks. Points that several parts
+// have are there once, visible where any part has seen them. Of the surface only what lies within 8
+// m of `path`, in plan, and squares of 1 m that reach as far: a short stretch of a long drive takes
+// little memory. Nothing for an empty path, and where a folder has no surface.ply. surface.ply is a
+// binary little-endian PLY with x y z, nx ny nz (the unit normal times 127), visible and kind
+// (needed where there are rocks); coordinates are taken as float. rocks.json is {"rocks": [{"size",
+// "x", "y", "z", "width", ...}, ...]}. Throws DataError naming file, expected and found for
+// anything else.
+std::optional<MapTruth> ReadMapTruth(const std::vector<std::filesystem::path>& folders,
+                                     std::vector<TumPose> path);
 
-// Those of the files that ReadMapTruth reads besides the trajectories which exist.
+// Those of the files that ReadMapTruth reads which exist.
 std::vector<std::filesystem::path> MapTruthFiles(const std::vector<std::filesystem::path>& folders);
 
 }  // namespace rigmap

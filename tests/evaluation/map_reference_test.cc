@@ -55,7 +55,7 @@ class MapReferenceScorer : public ReferenceScorerTest {
  protected:
   void UseTruth(const char* part) {
     folder_ = data_ / "beach-dev" / "truth" / part;
-    truth_ = ReadMapTruth({folder_});
+    truth_ = ReadMapTruth({folder_}, ReadTum(folder_ / "trajectory.tum"));
     ASSERT_TRUE(truth_) << folder_;
   }
 

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "core/error.h"
@@ -34,7 +36,10 @@ class ReadMapTruthTest : public Test {
     return folder_.Write("Part1/surface.ply", SurfacePly(TwoPoints(), left_out));
   }
   std::string Complaint() const {
-    return MessageOf<DataError>([&] { ReadMapTruth({Part()}); });
+    return MessageOf<DataError>([&] { Read(); });
+  }
+  std::optional<MapTruth> Read() const {
+    return ReadMapTruth({Part()}, ReadTum(Part() / "trajectory.tum"));
   }
 
   TemporaryFolder folder_;
@@ -43,7 +48,7 @@ class ReadMapTruthTest : public Test {
 TEST_F(ReadMapTruthTest, ReadsBackWhatWasWritten) {
   WriteSurface();
   folder_.Write("rocks.json", kRocks);
-  const auto truth = ReadMapTruth({Part()});
+  const auto truth = Read();
   ASSERT_TRUE(truth);
   EXPECT_EQ(truth->path.size(), 2U);
   const TrueSurface expected = TwoPoints();
@@ -63,29 +68,50 @@ TEST_F(ReadMapTruthTest, PartsAreOneSurfaceWithPointsOfBothOnce) {
   TrueSurface other = TwoPoints();
   other.x_in_truth[0].x() = 7.0F;
   other.visible = {0, 1};
-  folder_.Write("Part2/trajectory.tum", "0.5 0 0 1 0 0 0 1\n1.0 0 0 1 0 0 0 1\n");
   folder_.Write("Part2/surface.ply", SurfacePly(other, 0));
-  const auto truth = ReadMapTruth({Part(), folder_.Path() / "Part2"});
+  const auto path = ReadTum(Part() / "trajectory.tum");
+  const auto truth = ReadMapTruth({Part(), folder_.Path() / "Part2"}, path);
   ASSERT_TRUE(truth);
-  ASSERT_EQ(truth->path.size(), 3U);
-  EXPECT_EQ(truth->path.front().stamp_ns, 500'000'000);
   ASSERT_EQ(truth->surface.size(), 3U);
   EXPECT_EQ(truth->surface.x_in_truth[2].x(), 7.0F);
   EXPECT_EQ(truth->surface.visible, (std::vector<std::uint8_t>{1, 1, 0}));
   EXPECT_EQ(truth->rocks.size(), 1U);
-  EXPECT_FALSE(ReadMapTruth({Part(), folder_.Path() / "nowhere"}));
+  EXPECT_FALSE(ReadMapTruth({Part(), folder_.Path() / "nowhere"}, path));
   EXPECT_EQ(MapTruthFiles({Part(), folder_.Path() / "Part2"}).size(), 3U);
 }
 
 TEST_F(ReadMapTruthTest, HasNothingWithoutASurface) {
   folder_.Write("Part1/trajectory.tum", kPath);
-  EXPECT_FALSE(ReadMapTruth({Part()}));
-  EXPECT_FALSE(ReadMapTruth({folder_.Path() / "nowhere"}));
+  EXPECT_FALSE(Read());
+  WriteSurface();
+  EXPECT_TRUE(Read());
+  EXPECT_FALSE(ReadMapTruth({Part()}, {}));
+}
+
+TEST_F(ReadMapTruthTest, HasTheSurfaceAroundThePathAlone) {
+  TrueSurface surface;  // every 10 cm, 40 m across the path
+  for (int i = -200; i <= 200; ++i) {
+    surface.x_in_truth.emplace_back(0.25F, 0.1F * static_cast<float>(i), 0.0F);
+    surface.normal.emplace_back(0.0F, 0.0F, 1.0F);
+    surface.visible.push_back(1);
+    surface.kind.push_back(0);
+  }
+  WriteSurface();
+  folder_.Write("Part1/surface.ply", SurfacePly(surface, 0));
+  const auto truth = Read();
+  ASSERT_TRUE(truth);
+  const auto [least, most] = std::ranges::minmax_element(
+      truth->surface.x_in_truth, {}, [](const Eigen::Vector3f& x) { return x.y(); });
+  EXPECT_LE(least->y(), -8.0F);
+  EXPECT_GE(least->y(), -10.0F);
+  EXPECT_GE(most->y(), 8.0F);
+  EXPECT_LE(most->y(), 10.0F);
+  EXPECT_EQ(truth->surface.size(), 1 + std::lround(10 * (most->y() - least->y())));
 }
 
 TEST_F(ReadMapTruthTest, HasNoRocksWithoutTheirFile) {
   WriteSurface();
-  EXPECT_TRUE(ReadMapTruth({Part()})->rocks.empty());
+  EXPECT_TRUE(Read()->rocks.empty());
 }
 
 TEST_F(ReadMapTruthTest, NamesAMissingProperty) {
@@ -97,7 +123,7 @@ TEST_F(ReadMapTruthTest, NamesAMissingProperty) {
 
 TEST_F(ReadMapTruthTest, NeedsKindsWhereThereAreRocks) {
   const auto file = WriteSurface(1);
-  EXPECT_EQ(ReadMapTruth({Part()})->surface.kind, std::vector<std::uint8_t>(2, 0));
+  EXPECT_EQ(Read()->surface.kind, std::vector<std::uint8_t>(2, 0));
   folder_.Write("rocks.json", kRocks);
   EXPECT_EQ(
       Complaint(),

@@ -76,13 +76,13 @@ nlohmann::ordered_json CompareWithTruth(const std::vector<TumPose>& estimate,
                                         const fs::path& truth_path, const fs::path& map_ply,
                                         const EvaluationOptions& options) {
   if (IsPrismFile(truth_path)) return ToJson(ComparePrism(estimate, ReadPrismFile(truth_path)));
-  const TrajectoryMetrics trajectory = CompareTrajectories(
-      estimate, TruthDuring(estimate, ReadTruth(truth_path), options.max_dt_s), options);
+  std::vector<TumPose> path = TruthDuring(estimate, ReadTruth(truth_path), options.max_dt_s);
+  const TrajectoryMetrics trajectory = CompareTrajectories(estimate, path, options);
   auto json = ToJson(trajectory);
   if (auto drift = DriftToJson(trajectory); !drift.is_null()) json["drift"] = std::move(drift);
   std::error_code ignored;
   if (!fs::exists(map_ply, ignored)) return json;
-  const auto truth = ReadMapTruth(TruthFolders(truth_path));
+  const auto truth = ReadMapTruth(TruthFolders(truth_path), std::move(path));
   if (!truth) return json;
   const auto truth_from_world = AlignWithTruth(estimate, truth->path, options);
   if (!truth_from_world) return json;  // which the trajectory's `error` says
