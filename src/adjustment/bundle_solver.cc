@@ -59,13 +59,16 @@ double BundleSolver::Cost(const std::vector<Rigid3>& poses,
   return std::accumulate(costs.begin(), costs.end(), 0.0);
 }
 
-void BundleSolver::Linearise(Part& part, const std::vector<FrameProjection>& frames,
-                             double damping) {
-  part.blocks.assign(part.pairs.size(), Matrix6d::Zero());
-  part.gradients.assign(part.unknowns.size(), Vector6d::Zero());
-  part.diagonals.assign(part.unknowns.size(), Vector6d::Zero());
-  part.gain = 0.0;
-  std::size_t first_pair = 0;
+BundleSolver::Sums::Sums(const Part& part)
+    : blocks(part.pairs.size(), Matrix6d::Zero()),
+      gradients(part.unknowns.size(), Vector6d::Zero()),
+      diagonals(part.unknowns.size(), Vector6d::Zero()) {}
+
+BundleSolver::Sums BundleSolver::Linearise(const Part& part,
+                                           const std::vector<FrameProjection>& frames,
+                                           double damping) {
+  Sums sums(part);
+  const int* first_pair = part.pair_of.data();
   for (std::size_t p = part.begin; p < part.end; ++p) {
     Eigen::Matrix3d v = Eigen::Matrix3d::Zero();
     Eigen::Vector3d& gradient = eliminated_[p].gradient;
@@ -82,63 +85,72 @@ void BundleSolver::Linearise(Part& part, const std::vector<FrameProjection>& fra
       const double size = residual.norm(), weight = size > huber_px_ ? huber_px_ / size : 1.0;
       const Eigen::Vector2d pull = weight * residual;
       gradient += at->by_point.transpose() * pull;
-      if (is_unknown) part.gradients[views_[next - 1].local] += at->by_pose.transpose() * pull;
+      if (is_unknown) sums.gradients[views_[next - 1].local] += at->by_pose.transpose() * pull;
       if (weight < 1.0 && is_near_) FlattenAlong(residual / size, *at);
       v += weight * at->by_point.transpose() * at->by_point;
       if (!is_unknown) continue;
       View& view = views_[next - 1];
       const Eigen::Matrix<double, 6, 2> weighted = weight * at->by_pose.transpose();
       view.coupling += weighted * at->by_point;
-      part.diagonals[view.local] += weighted.cwiseProduct(at->by_pose.transpose()).rowwise().sum();
+      sums.diagonals[view.local] += weighted.cwiseProduct(at->by_pose.transpose()).rowwise().sum();
       const std::size_t a = next - 1 - first_view_[p];
-      part.blocks[part.pair_of[first_pair + a * (a + 3) / 2]] += weighted * at->by_pose;
+      sums.blocks[first_pair[a * (a + 3) / 2]] += weighted * at->by_pose;
     }
     v.diagonal() *= 1.0 + damping;
-    Eliminate(v, p, first_pair, part);
+    Eliminate(v, p, first_pair, sums);
     const std::size_t count = first_view_[p + 1] - first_view_[p];
     first_pair += count * (count + 1) / 2;
   }
+  return sums;
 }
 
-// Takes off what the point's own freedom takes away.
-void BundleSolver::Eliminate(const Eigen::Matrix3d& v, std::size_t point, std::size_t first_pair,
-                             Part& part) {
+// Takes off what the point's own freedom takes away. `pair` is that of its first view with itself.
+void BundleSolver::Eliminate(const Eigen::Matrix3d& v, std::size_t point, const int* pair,
+                             Sums& sums) {
   const Eigen::Vector3d& gradient = eliminated_[point].gradient;
   Eigen::Matrix3d& inverse = eliminated_[point].inverse;
   const Eigen::LLT<Eigen::Matrix3d> factor(v);
   inverse.setZero();
   if (factor.info() != Eigen::Success) return;  // held: nothing determines it
   inverse = factor.solve(Eigen::Matrix3d::Identity());
-  part.gain += gradient.dot(inverse * gradient);
+  sums.gain += gradient.dot(inverse * gradient);
   const View* views = views_.data() + first_view_[point];
   const std::size_t count = first_view_[point + 1] - first_view_[point];
-  const int* pair = part.pair_of.data() + first_pair;
   for (std::size_t a = 0; a < count; ++a) {
     const PosePoint scaled = views[a].coupling * inverse;
-    part.gradients[views[a].local] -= scaled * gradient;
+    sums.gradients[views[a].local] -= scaled * gradient;
     for (std::size_t b = 0; b <= a; ++b) {
-      part.blocks[*pair++].noalias() -= scaled * views[b].coupling.transpose();
+      sums.blocks[*pair++].noalias() -= scaled * views[b].coupling.transpose();
     }
   }
 }
 
-// Into blocks_; the gradient by the poses.
-Eigen::VectorXd BundleSolver::SumUp(double damping) {
+void BundleSolver::Add(const Part& part, const Sums& sums, Total& total) {
+  for (std::size_t i = 0; i < part.pairs.size(); ++i) blocks_[part.pairs[i]] += sums.blocks[i];
+  for (std::size_t i = 0; i < part.unknowns.size(); ++i) {
+    total.gradient.segment<6>(6 * part.unknowns[i]) += sums.gradients[i];
+    total.diagonal.segment<6>(6 * part.unknowns[i]) += sums.diagonals[i];
+  }
+  total.gain += sums.gain;
+}
+
+// A batch of parts at a time: the sums of all of them would take as much room as the couplings.
+BundleSolver::Total BundleSolver::Linearise(double damping) {
+  constexpr std::size_t kBatch = 64;
+  const std::vector<FrameProjection> frames = Projections(poses_);
   blocks_.assign(pairs_.size(), Matrix6d::Zero());
-  Eigen::VectorXd gradient = Eigen::VectorXd::Zero(6 * unknowns_);
-  Eigen::VectorXd diagonal = gradient;
-  for (const Part& part : parts_) {
-    for (std::size_t i = 0; i < part.pairs.size(); ++i) blocks_[part.pairs[i]] += part.blocks[i];
-    for (std::size_t i = 0; i < part.unknowns.size(); ++i) {
-      gradient.segment<6>(6 * part.unknowns[i]) += part.gradients[i];
-      diagonal.segment<6>(6 * part.unknowns[i]) += part.diagonals[i];
-    }
+  Total total{Eigen::VectorXd::Zero(6 * unknowns_), Eigen::VectorXd::Zero(6 * unknowns_)};
+  for (std::size_t first = 0; first < parts_.size(); first += kBatch) {
+    const std::size_t count = std::min(kBatch, parts_.size() - first);
+    std::vector<std::optional<Sums>> sums(count);
+    ForEach(count, [&](std::size_t i) { sums[i] = Linearise(parts_[first + i], frames, damping); });
+    for (std::size_t i = 0; i < count; ++i) Add(parts_[first + i], *sums[i], total);
   }
   for (std::size_t i = 0; i < pairs_.size(); ++i) {
     const auto& [column, row] = pairs_[i];
-    if (column == row) blocks_[i].diagonal() += damping * diagonal.segment<6>(6 * row);
+    if (column == row) blocks_[i].diagonal() += damping * total.diagonal.segment<6>(6 * row);
   }
-  return gradient;
+  return total;
 }
 
 Eigen::Vector3d BundleSolver::MovePoint(std::size_t point, const Eigen::VectorXd& step) const {
@@ -150,17 +162,15 @@ Eigen::Vector3d BundleSolver::MovePoint(std::size_t point, const Eigen::VectorXd
 }
 
 std::optional<BundleSolver::Step> BundleSolver::FindStep(double damping) {
-  const std::vector<FrameProjection> frames = Projections(poses_);
-  ForEach(parts_.size(), [&](std::size_t i) { Linearise(parts_[i], frames, damping); });
-  const Eigen::VectorXd gradient = SumUp(damping);
+  const Total total = Linearise(damping);
+  const Eigen::VectorXd& gradient = total.gradient;
   Eigen::VectorXd moved = Eigen::VectorXd::Zero(6 * unknowns_);
   if (unknowns_ > 0) {
     if (!matrix_->Factorise(blocks_)) return std::nullopt;
     moved = -matrix_->Solve(gradient);
   }
   if (!moved.allFinite()) return std::nullopt;
-  Step step{poses_, points_, -0.5 * gradient.dot(moved)};
-  for (const Part& part : parts_) step.expected_gain += 0.5 * part.gain;
+  Step step{poses_, points_, -0.5 * gradient.dot(moved) + 0.5 * total.gain};
   for (std::size_t frame = 0; frame < poses_.size(); ++frame) {
     if (unknown_[frame] < 0) continue;
     const Vector6d by = moved.segment<6>(6 * unknown_[frame]);

@@ -134,7 +134,7 @@ Feature FeatureOf(const Eigen::Vector2d& left, const std::optional<StereoMatch>&
   Feature feature{.left = left, .size = size};
   if (match) {
     feature.right = match->right;
-    feature.right_from_left = match->right_from_left;
+    feature.right_from_left = match->right_from_left.cast<float>();
   }
   return feature;
 }

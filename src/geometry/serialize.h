@@ -9,9 +9,10 @@
 
 namespace Eigen {
 
-template <class Archive, class Scalar, int Rows, int Cols>
-requires(Rows != Dynamic && Cols != Dynamic) void serialize(Archive& archive,
-                                                            Matrix<Scalar, Rows, Cols>& matrix) {
+template <class Archive, class Scalar, int Rows, int Cols, int Options>
+requires(Rows != Dynamic &&
+         Cols != Dynamic) void serialize(Archive& archive,
+                                         Matrix<Scalar, Rows, Cols, Options>& matrix) {
   for (int i = 0; i < Rows * Cols; ++i) archive(matrix.data()[i]);
 }
 

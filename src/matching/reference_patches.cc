@@ -77,7 +77,8 @@ bool AlignWithReference(const FeatureRefinement& earlier, int a, FeatureRefineme
   }
   const Eigen::Vector2d moved = patch_origin + result->warp * reference.offset;
   Feature& refined = later.refined[b];
-  if (refined.right) *refined.right += refined.right_from_left * (moved - refined.left);
+  if (refined.right)
+    *refined.right += refined.right_from_left.cast<double>() * (moved - refined.left);
   refined.left = moved;
   later.aligned[b] = true;
   const double growth = std::sqrt(std::abs(result->warp.linear.determinant()));

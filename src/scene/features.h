@@ -24,12 +24,16 @@ using Descriptor = std::array<std::uint8_t, kDescriptorSize>;
 // Grey values around the rounded left keypoint, row by row.
 using Patch = std::array<std::uint8_t, std::size_t{kPatchSize} * kPatchSize>;
 
+// 64 bytes, of which a long traverse has millions: without gaps for alignment.
 struct Feature {
+  using Right = Eigen::Matrix<double, 2, 1, Eigen::DontAlign>;
+  using RightFromLeft = Eigen::Matrix<float, 2, 2, Eigen::DontAlign>;
+
   Eigen::Vector2d left = Eigen::Vector2d::Zero();  // px, OpenCV convention, distorted image
-  std::optional<Eigen::Vector2d> right;            // its stereo match on the epipolar line
+  std::optional<Right> right;                      // its stereo match on the epipolar line
   float size = 0.0F;                               // diameter of the keypoint, px
   // How the match moves with the keypoint, as both eyes see the surface around it.
-  Eigen::Matrix2d right_from_left = Eigen::Matrix2d::Identity();
+  RightFromLeft right_from_left = RightFromLeft::Identity();
 
   template <class Archive>
   void serialize(Archive& archive) {

@@ -29,7 +29,7 @@ double NormalisedError(const Adjustment& adjustment, const SyntheticRover& rover
 int MovePixels(double share, double distance_px, Correspondences& correspondences,
                SeededRandom& random) {
   int moved = 0;
-  const auto move = [&](Eigen::Vector2d& pixel) {
+  const auto move = [&](auto& pixel) {
     if (random.Uniform(0.0, 1.0) >= share) return;
     const double angle = random.Uniform(0.0, 2.0 * std::numbers::pi);
     pixel += distance_px * Eigen::Vector2d(std::cos(angle), std::sin(angle));
@@ -138,7 +138,8 @@ TEST_F(AdjustTest, WrongPixelsAreDroppedAndCounted) {
   for (const AdjustedPoint& point : adjusted.points) {
     for (const PointObservation& o : point.observations) {
       const Feature& feature = clean.features[o.frame][o.feature];
-      const Eigen::Vector2d& right_one = o.eye == Eye::kLeft ? feature.left : *feature.right;
+      const Eigen::Vector2d right_one =
+          o.eye == Eye::kLeft ? feature.left : Eigen::Vector2d(*feature.right);
       wrong += o.pixel == right_one ? 0 : 1;
       ++kept;
     }

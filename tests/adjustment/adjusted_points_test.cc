@@ -57,7 +57,7 @@ TEST_F(AdjustedPointsTest, WithoutNoisePointsAreTheTrueOnesWithAllObservations) 
     EXPECT_EQ(points[i].observations.size(), ObservationsOf(tracks_[i]));
     for (const PointObservation& o : points[i].observations) {
       const Feature& feature = correspondences_.features[o.frame][o.feature];
-      ASSERT_EQ(o.pixel, o.eye == Eye::kLeft ? feature.left : *feature.right);
+      ASSERT_EQ(o.pixel, o.eye == Eye::kLeft ? feature.left : Eigen::Vector2d(*feature.right));
     }
   }
 }

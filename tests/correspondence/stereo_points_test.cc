@@ -13,7 +13,8 @@ namespace {
 // What both eyes see of a point in front of them.
 Feature Seen(const StereoRig& rig, const Eigen::Vector3d& x_in_left) {
   Feature feature{.left = *Project(rig.left.camera, x_in_left)};
-  feature.right = Project(rig.right.camera, rig.right_from_left * x_in_left);
+  const auto right = Project(rig.right.camera, rig.right_from_left * x_in_left);
+  if (right) feature.right = *right;
   return feature;
 }
 

@@ -34,7 +34,8 @@ class LoneViewsTest : public testing::Test {
     for (std::size_t i = 0; i < rover_.frames[1].features.size(); ++i) {
       const Feature& feature = rover_.frames[1].features[i];
       if (eye == Eye::kRight && !feature.right) continue;
-      view.features.features.push_back({.left = eye == Eye::kLeft ? feature.left : *feature.right});
+      view.features.features.push_back(
+          {.left = eye == Eye::kLeft ? feature.left : Eigen::Vector2d(*feature.right)});
       view.features.descriptors.push_back(rover_.frames[1].descriptors[i]);
     }
     return view;

@@ -156,7 +156,8 @@ class Observer {
     if (!left) return false;
     const auto right =
         See(rover_.rig.right.camera, rover_.rig.right_from_left * x_in_left, right_noise);
-    seen.features.push_back({.left = *left, .right = right, .size = 4.0F});
+    Feature& feature = seen.features.emplace_back(Feature{.left = *left, .size = 4.0F});
+    if (right) feature.right = *right;
     // The rig is nearly parallel: its epipolar lines are rows, to within a few percent of slope.
     if (right) {
       seen.epipolar_errors_px.push_back(static_cast<float>(right_noise.y() - left_noise.y()));

@@ -42,12 +42,22 @@ class BundleSolver {
   // Points that one task works on.
   struct Part {
     std::size_t begin = 0, end = 0;
-    std::vector<int> unknowns;     // that its points are seen from, ascending
-    std::vector<int> pairs;        // of them, indices into pairs_, ascending
-    std::vector<int> pair_of;      // index into `pairs` of each two views of each point, in order
-    std::vector<Matrix6d> blocks;  // sums, a block per pair
-    std::vector<Vector6d> gradients, diagonals;  // sums per unknown; the points not eliminated
+    std::vector<int> unknowns;  // that its points are seen from, ascending
+    std::vector<int> pairs;     // of them, indices into pairs_, ascending
+    std::vector<int> pair_of;   // index into `pairs` of each two views of each point, in order
+  };
+  // Over the points of a part.
+  struct Sums {
+    explicit Sums(const Part& part);
+
+    std::vector<Matrix6d> blocks;                // one per pair
+    std::vector<Vector6d> gradients, diagonals;  // per unknown; the points not eliminated
     double gain = 0.0;                           // what the points alone would gain
+  };
+  // Over all points, but for the blocks, which are blocks_.
+  struct Total {
+    Eigen::VectorXd gradient, diagonal;
+    double gain = 0.0;
   };
   struct Step {
     std::vector<Rigid3> poses;  // per frame
@@ -58,11 +68,13 @@ class BundleSolver {
   void NumberUnknowns();
   void ListViews();
   void ListPairs();
-  void Linearise(Part& part, const std::vector<FrameProjection>& frames, double damping);
-  void Eliminate(const Eigen::Matrix3d& v, std::size_t point, std::size_t first_pair, Part& part);
+  // Into blocks_; gradient by the poses and gain of the points.
+  Total Linearise(double damping);
+  Sums Linearise(const Part& part, const std::vector<FrameProjection>& frames, double damping);
+  void Eliminate(const Eigen::Matrix3d& v, std::size_t point, const int* pair, Sums& sums);
+  void Add(const Part& part, const Sums& sums, Total& total);
   // Nothing where the equations are singular.
   std::optional<Step> FindStep(double damping);
-  Eigen::VectorXd SumUp(double damping);
   Eigen::Vector3d MovePoint(std::size_t point, const Eigen::VectorXd& step) const;
   // Infinite where a point lies behind an eye.
   double Cost(const std::vector<Rigid3>& poses, const std::vector<Eigen::Vector3d>& points) const;
