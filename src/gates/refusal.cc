@@ -73,7 +73,7 @@ std::string AccuracyText(const PartFindings& findings) {
           ? fmt::format("; the rig file was off by {:.2g} px and has been corrected",
                         *findings.rig_correction_px)
           : "";
-  const std::string how_good = fmt::format("metres to {}", HowGood(accuracy));
+  const std::string how_good = fmt::format("metres to {}", HowGood(findings));
   if (findings.baseline_m == 0.0) return how_good;
   return fmt::format("{}, if the baseline is {:.2f} mm{}{}", how_good, 1000.0 * findings.baseline_m,
                      accuracy.baseline_95_pct ? " to the sigma that the rig file states" : "",
@@ -160,12 +160,14 @@ std::string WarningOf(const Refusal& refusal) {
                      more > 0 ? fmt::format("; {} more", more) : "");
 }
 
-std::string HowGood(const Accuracy& accuracy) {
+std::string HowGood(const PartFindings& findings) {
+  const Accuracy& accuracy = findings.accuracy;
+  const std::string scale =
+      ValueText({.value = *accuracy.scale_95_pct, .limit = findings.accuracy_asked_pct});
   if (!accuracy.position_95_m) {
-    return fmt::format("{:.2g} % (95 %), of positions nothing is known", *accuracy.scale_95_pct);
+    return fmt::format("{} % (95 %), of positions nothing is known", scale);
   }
-  return fmt::format("{:.2g} % and positions to {} (95 %)", *accuracy.scale_95_pct,
-                     LengthText(*accuracy.position_95_m));
+  return fmt::format("{} % and positions to {} (95 %)", scale, LengthText(*accuracy.position_95_m));
 }
 
 std::string LengthText(double metres) {

@@ -48,8 +48,9 @@ std::string SentenceOf(const Cause& cause);
 // "not trusted: BRIEF", with how many more causes there are; empty where there is none.
 std::string WarningOf(const Refusal& refusal);
 
-// "1.2 % and positions to 80.3 cm (95 %)", of a scale that is known.
-std::string HowGood(const Accuracy& accuracy);
+// "1.2 % and positions to 80.3 cm (95 %)", of a scale that is known; with as many digits as tell it
+// from what was asked for.
+std::string HowGood(const PartFindings& findings);
 
 // Metres as people read them: "4.2 mm", "80.3 cm", "1.20 m".
 std::string LengthText(double metres);

@@ -188,6 +188,9 @@ TEST(RefusalOf, OfFiguresThatHoldSaysHowGoodTheyAre) {
   EXPECT_THAT(RefusalOf(gates, corrected).usable,
               testing::EndsWith("; the rig file was off by 4.9 px and has been corrected"));
   EXPECT_EQ(WarningOf(refusal), "not trusted: scale known to 1.2 %, asked 1 %");
+  PartFindings nearly = Findings();
+  nearly.accuracy.scale_95_pct = 1.04;
+  EXPECT_EQ(HowGood(nearly), "1.04 % and positions to 80.0 cm (95 %)");
   // As of COLMAP's mapping alone.
   PartFindings without_positions = Findings();
   without_positions.accuracy.position_95_m.reset();

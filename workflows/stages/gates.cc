@@ -65,7 +65,7 @@ Report ReportPart(const GateInputs& inputs, const GateOptions& options) {
   if (accuracy.scale_95_pct && !std::isfinite(*accuracy.scale_95_pct)) {
     text = "of metres nothing is known; ";
   } else if (accuracy.scale_95_pct) {
-    text = fmt::format("metres good to {}; ", HowGood(accuracy));
+    text = fmt::format("metres good to {}; ", HowGood(findings));
     if (!findings.guessed.empty()) {
       text += fmt::format("{} of {} poses are guessed, the worst to {}; ", findings.GuessedCount(),
                           findings.frames, LengthText(findings.guessed_95_m));
