@@ -17,6 +17,7 @@ constexpr float kRounding2 = 1.0F / 6.0F;  // of the difference of two grey valu
 constexpr float kNoiseGradient2 = 0.25F;  // of the residuals' variance
 constexpr double kTextureSigmas = 1.0;    // by which texture has to stand out from noise
 constexpr float kLeastCount = 9.0F;       // pixels of a window that tell gradients from noise
+constexpr double kSmoothings = 2.0;       // before and after the step
 
 // Means over a window of what is known in it.
 class WindowMean {
@@ -123,7 +124,8 @@ RefinedDisparity RefineDisparity(const cv::Mat& left, const cv::Mat& right,
   refined.disparity = SmoothDisparity(refined.disparity, radius_px);
   const double factor = options.refined_sigma_factor;
   cv::sqrt(factor * factor * unexplained / gradient2 / counts +
-               options.least_sigma_px * options.least_sigma_px,
+               options.least_sigma_px * options.least_sigma_px +
+               kSmoothings * SquareBendOf(refined.disparity, radius_px),
            refined.sigma);
   return refined;
 }

@@ -174,10 +174,14 @@ TEST_P(RefineDisparityOf, WidensItsSigmaAsTheOptionsSay) {
     return RefineDisparity(pair.left, pair.right, rough, options_).sigma;
   };
   const cv::Mat plain = sigma_with(1.0, 1e-6), widened = sigma_with(3.0, 0.05);
+  const cv::Mat bend = sigma_with(1e-6, 1e-6);  // what smoothing takes off
   for (int row = 0; row < kRows; ++row) {
     for (int column = kFirstColumn; column < kColumns; ++column) {
-      ASSERT_NEAR(widened.at<float>(row, column),
-                  std::hypot(3.0 * plain.at<float>(row, column), 0.05), 1e-4);
+      const auto square = [&](const cv::Mat& sigma) {
+        return std::pow(sigma.at<float>(row, column), 2.0);
+      };
+      const double expected = square(bend) + 9.0 * (square(plain) - square(bend)) + 0.05 * 0.05;
+      ASSERT_NEAR(widened.at<float>(row, column), std::sqrt(expected), 1e-4);
     }
   }
 }
@@ -266,6 +270,35 @@ TEST(RefineDisparity, TellsTheSidesOfAStepApart) {
   const auto errors = Errors(refined, Step);
   ASSERT_GT(errors.size(), 0.95 * 2 * kReachPx * kRows);
   EXPECT_LT(Rms(errors), 0.1) << "px, of 0.3";
+}
+
+// Of a bowl d = c (x2 + y2), pairs that lie (dx, dy) off are higher by c (dx2 + dy2).
+TEST(SquareBendOf, IsThatOfABowlAndNothingOnAPlane) {
+  constexpr double kCurvature = 0.01;  // px of disparity by px2
+  const cv::Mat bowl = KnownWhereSeen([](int column, int row) {
+    return 20.0 + kCurvature * (std::pow(column - 200.0, 2.0) + std::pow(row - 60.0, 2.0));
+  });
+  double sum = 0.0;
+  for (int dy = -2; dy <= 2; ++dy) {
+    for (int dx = -2; dx <= 2; ++dx) sum += std::pow(kCurvature * (dx * dx + dy * dy), 2.0);
+  }
+  EXPECT_NEAR(SquareBendOf(bowl, 2).at<float>(60, 200), sum / 24.0, 1e-5);  // the middle is no pair
+  EXPECT_LT(cv::norm(SquareBendOf(KnownWhereSeen(Affine), 3), cv::NORM_INF), 1e-8);
+  EXPECT_LT(cv::norm(SquareBendOf(KnownWhereSeen(Step), 3), cv::NORM_INF), 1e-8);
+}
+
+// Where the surface bends within a window, both smoothings flatten it.
+TEST(RefineDisparity, KnowsWhatSmoothingTakesOffARidge) {
+  const auto ridge = [](int column, int row) {
+    return 24.0 - 0.25 * std::abs((column + row) % 16 - 8.0);
+  };
+  SeededRandom random;
+  const ViewPair pair = Render(Texture(random, 20.0), ridge, random);
+  const RefinedDisparity refined =
+      RefineDisparity(pair.left, pair.right, KnownWhereSeen(ridge), {});
+  const double normalised = Rms(Errors(refined.disparity, ridge, refined.sigma));
+  EXPECT_GT(normalised, 0.5);
+  EXPECT_LT(normalised, 1.5);
 }
 
 TEST(SmoothDisparity, KeepsAPlane) {

@@ -22,10 +22,11 @@ struct RefinedDisparity {
 // (StepWindows).
 //
 // The sigma is that of the least squares, from gradients and residuals in the window, times
-// `refined_sigma_factor`, and at least `least_sigma_px`. Where the gradients do not stand out from
-// what noise alone would make of them nothing is known, and the disparity is 0: the matcher has
-// carried over what it found beside. Views CV_8UC1, disparities CV_32FC1 with 0 for unknown.
-// Takes 40 bytes per pixel.
+// `refined_sigma_factor`, and at least `least_sigma_px`; and what both smoothings may have taken
+// off a surface that is no plane within their windows (SquareBendOf). Where the gradients do not
+// stand out from what noise alone would make of them nothing is known, and the disparity is 0: the
+// matcher has carried over what it found beside. Views CV_8UC1, disparities CV_32FC1 with 0 for
+// unknown. Takes 40 bytes per pixel.
 RefinedDisparity RefineDisparity(const cv::Mat& left, const cv::Mat& right,
                                  const cv::Mat& disparity, const DenseOptions& options);
 
@@ -33,5 +34,9 @@ RefinedDisparity RefineDisparity(const cv::Mat& left, const cv::Mat& right,
 // to each other, so that a slope stays what it is; pairs of which either is unknown or differs from
 // the middle by more than a pixel, as across an edge, are left out.
 cv::Mat SmoothDisparity(const cv::Mat& disparity, int radius_px);
+
+// The mean of the squares (px2) of how much the means of such pairs differ from the disparity
+// between them: 0 on a plane.
+cv::Mat SquareBendOf(const cv::Mat& disparity, int radius_px);
 
 }  // namespace rigmap
