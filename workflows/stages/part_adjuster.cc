@@ -59,13 +59,16 @@ std::size_t GroupCount(const Adjustment& adjustment) {
 AdjustedPart PartAdjuster::From(const Poses& mapped) const {
   const Motions motions{input_.odometry, input_.matches.loop_closures};
   AdjustedPart part = From(mapped, input_.matches, motions, nullptr);
-  return part.adjustment.IsRigCorrected() ? WithItsRig(part) : part;
+  if (part.adjustment.IsRigCorrected()) return WithItsRig(std::move(part));
+  return part;
 }
 
 // With the rig that `part` has found to be the right one. Matches had to agree with the other:
 // where that moves a pixel by more than their noise only some did, and those that by chance
 // agree.
-AdjustedPart PartAdjuster::WithItsRig(const AdjustedPart& part) const {
+AdjustedPart PartAdjuster::WithItsRig(AdjustedPart part) const {
+  // They are found anew; those of a long traverse need not lie beside the second adjustment.
+  part.adjustment.points = std::vector<AdjustedPoint>();
   const bool matches_anew = part.adjustment.correction_px > options_.matching.keypoint_noise_px;
   const StereoRig& rig = part.adjustment.rig;
   Odometry steps = StepsWith(part);

@@ -52,7 +52,7 @@ class PartAdjuster {
     Adjustment adjustment;
   };
 
-  AdjustedPart WithItsRig(const AdjustedPart& part) const;
+  AdjustedPart WithItsRig(AdjustedPart part) const;
   // A corrected rig is provisional but where it starts from that of an adjustment before.
   AdjustedPart From(const Poses& mapped, const Correspondences& correspondences, Motions motions,
                     const Adjustment* before) const;
