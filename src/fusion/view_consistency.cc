@@ -16,9 +16,14 @@ namespace {
 
 struct Neighbour {
   const DepthMap* map;
-  Rigid3 neighbour_from_reference;  // rectified axes of both
-  Rigid3 reference_from_neighbour;
+  Eigen::Isometry3d neighbour_from_reference;  // rectified axes of both
+  Eigen::Isometry3d reference_from_neighbour;
 };
+
+// Every point is moved by it, which takes twice as long by a quaternion.
+Eigen::Isometry3d MatrixOf(const Rigid3& motion) {
+  return Eigen::Translation3d(motion.translation) * motion.rotation;
+}
 
 std::vector<Neighbour> Prepare(const DepthView& reference,
                                std::span<const DepthView* const> views) {
@@ -26,7 +31,8 @@ std::vector<Neighbour> Prepare(const DepthView& reference,
   for (const DepthView* view : views) {
     const Rigid3 neighbour_from_reference =
         view->world_from_rectified.Inverse() * reference.world_from_rectified;
-    prepared.push_back({&view->map, neighbour_from_reference, neighbour_from_reference.Inverse()});
+    prepared.push_back({&view->map, MatrixOf(neighbour_from_reference),
+                        MatrixOf(neighbour_from_reference.Inverse())});
   }
   return prepared;
 }
@@ -48,6 +54,12 @@ struct Opinion {
   cv::Point pixel;         // of the neighbour's view
 };
 
+// Whether the neighbour is clearly nearer to the point, z before it, than the reference: equal
+// disparities have depth sigmas as the squares of the depths.
+bool IsNearer(double z, const Measurement& point, const FusionOptions& options) {
+  return z * z < options.better_view_share * point.x.z() * point.x.z();
+}
+
 Opinion Ask(const Neighbour& neighbour, const Measurement& point, const FusionOptions& options) {
   const DepthMap& map = *neighbour.map;
   const Eigen::Vector3d x = neighbour.neighbour_from_reference * point.x;
@@ -56,15 +68,14 @@ Opinion Ask(const Neighbour& neighbour, const Measurement& point, const FusionOp
   const double found_px = map.disparity.at<float>(*pixel);
   if (found_px <= 0.0) return {.verdict = Verdict::kKnowsNoDepth};
   // Both depths are uncertain: compared where the sigma is known, in the neighbour's disparity.
-  const double expected_px = map.camera.fx * map.baseline_m / x.z();
+  const double per_z = 1.0 / x.z();
+  const double expected_px = map.camera.fx * map.baseline_m * per_z;
   const double found_sigma_px = map.disparity_sigma.at<float>(*pixel);
-  const double expected_sigma_px = expected_px / x.z() * point.sigma_m;
+  const double expected_sigma_px = expected_px * per_z * point.sigma_m;
   const double variance_px2 =
       found_sigma_px * found_sigma_px + expected_sigma_px * expected_sigma_px;
   const double difference_px = found_px - expected_px;
-  Opinion opinion{.nearness = found_px / expected_px};
-  // Equal disparities have depth sigmas as the squares of the depths.
-  opinion.is_better = x.z() * x.z() < options.better_view_share * point.x.z() * point.x.z();
+  Opinion opinion{.is_better = IsNearer(x.z(), point, options), .nearness = found_px / expected_px};
   const double sigmas2 = options.agreement_sigmas * options.agreement_sigmas;
   if (difference_px * difference_px > sigmas2 * variance_px2) {
     opinion.verdict = difference_px < 0.0 ? Verdict::kSeesThrough : Verdict::kSeesSomethingNearer;
@@ -82,6 +93,14 @@ Opinion Ask(const Neighbour& neighbour, const Measurement& point, const FusionOp
 bool IsForABetterView(const Opinion& opinion) {
   return opinion.is_better &&
          (opinion.verdict == Verdict::kAgrees || opinion.verdict == Verdict::kSeesThrough);
+}
+
+bool IsForABetterView(const Neighbour& neighbour, const Measurement& point,
+                      const FusionOptions& options) {
+  // Most are no nearer, which their depth alone tells.
+  const auto& motion = neighbour.neighbour_from_reference;
+  const double z = motion.linear().row(2).dot(point.x) + motion.translation().z();
+  return IsNearer(z, point, options) && IsForABetterView(Ask(neighbour, point, options));
 }
 
 // Sums over the measurements that agree on one point.
@@ -113,7 +132,7 @@ struct Views {
 std::optional<Consensus> Confirm(const Measurement& measured, const Views& views,
                                  const FusionOptions& options) {
   for (const Neighbour& view : views.ahead) {
-    if (IsForABetterView(Ask(view, measured, options))) return std::nullopt;
+    if (IsForABetterView(view, measured, options)) return std::nullopt;
   }
   Consensus consensus;
   consensus.Agree(measured);

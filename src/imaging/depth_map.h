@@ -35,15 +35,15 @@ struct DepthMap {
   }
   // The point seen at a pixel of known disparity.
   Eigen::Vector3d PointInRectified(double column, double row, double disparity_px) const {
-    return Depth(disparity_px) *
-           Eigen::Vector3d((column - camera.cx) / camera.fx, (row - camera.cy) / camera.fy, 1.0);
+    return baseline_m / disparity_px *
+           Eigen::Vector3d(column - camera.cx, row - camera.cy, camera.fx);
   }
   // The nearest pixel to where a point would be seen; nothing outside the image or behind it.
   std::optional<cv::Point> PixelOf(const Eigen::Vector3d& x_in_rectified) const {
     const Eigen::Vector3d& x = x_in_rectified;
     if (x.z() <= 0.0) return std::nullopt;
-    const cv::Point pixel(cvRound(camera.fx * x.x() / x.z() + camera.cx),
-                          cvRound(camera.fy * x.y() / x.z() + camera.cy));
+    const double scale = camera.fx / x.z();
+    const cv::Point pixel(cvRound(scale * x.x() + camera.cx), cvRound(scale * x.y() + camera.cy));
     if (!cv::Rect(cv::Point(), disparity.size()).contains(pixel)) return std::nullopt;
     return pixel;
   }

@@ -233,7 +233,7 @@ async function withoutWebgl() {
 async function times() {
   const best = { first: Infinity, view: Infinity, frame: Infinity };
   await (await open()).close();
-  for (let i = 0; i < 3; ++i) {
+  for (let i = 0; i < 5; ++i) {
     const page = await open();
     await ready(page);
     const [first, view] = await page.evaluate(() => [

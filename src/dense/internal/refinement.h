@@ -26,7 +26,7 @@ struct RefinedDisparity {
 // off a surface that is no plane within their windows (SquareBendOf). Where the gradients do not
 // stand out from what noise alone would make of them nothing is known, and the disparity is 0: the
 // matcher has carried over what it found beside. Views CV_8UC1, disparities CV_32FC1 with 0 for
-// unknown. Takes 40 bytes per pixel.
+// unknown. Takes 44 bytes per pixel.
 RefinedDisparity RefineDisparity(const cv::Mat& left, const cv::Mat& right,
                                  const cv::Mat& disparity, const DenseOptions& options);
 

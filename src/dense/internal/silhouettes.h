@@ -12,7 +12,7 @@ namespace rigmap {
 // window around a pixel of the background holds the edge of what is before it, and the pixel is
 // given its disparity. The grey values of both views then differ by more, over 3 x 3 pixels, than
 // noise and an error of 0.1 px make of them, or by twice what they differ by at the disparity of
-// what is behind. Views CV_8UC1, disparities CV_32FC1 with 0 for unknown. Takes 40 bytes per pixel.
+// what is behind. Views CV_8UC1, disparities CV_32FC1 with 0 for unknown. Takes 32 bytes per pixel.
 cv::Mat WidenedEdges(const cv::Mat& left, const cv::Mat& right, const cv::Mat& disparity,
                      const DenseOptions& options);
 

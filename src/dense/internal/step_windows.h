@@ -3,17 +3,12 @@
 
 #include <opencv2/core.hpp>
 
+#include "dense/internal/window_moments.h"
+
 namespace rigmap {
 
 // A matcher is not further off on one surface: what differs by more is two.
 inline constexpr float kDepthStepPx = 1.5F;
-
-// What least squares need of a window.
-struct WindowMoments {
-  float count = 0.0F;                      // pixels
-  float gradient2 = 0.0F;                  // variance of the gradients
-  float product = 0.0F, residual2 = 0.0F;  // covariance with the residuals; their variance
-};
 
 // Of the pixels that are of one surface with the one in the middle, and not of those right at the
 // step, which show both surfaces at once.
