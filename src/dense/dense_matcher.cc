@@ -47,6 +47,7 @@ DepthMap DenseMatcher::Compute(const StereoFrame& frame) const {
   RefinedDisparity refined = RefineDisparity(pair.left, pair.right, matched, options_);
   map.disparity = std::move(refined.disparity);
   map.disparity_sigma = std::move(refined.sigma);
+  map.smoothed_pct = std::move(refined.smoothed_pct);
   const cv::Mat edges = WidenedEdges(pair.left, pair.right, map.disparity, options_);
   map.disparity_sigma.setTo(kUnsurePx, edges);
   // A depth's relative sigma is that of its disparity.
@@ -76,7 +77,7 @@ double DenseMatcher::MegabytesPerFrame() const {
 }
 
 double DenseMatcher::MegabytesPerView() const {
-  constexpr double kBytes = 4.0 + 4.0 + 3.0;  // disparity, its sigma, colour
+  constexpr double kBytes = 4.0 + 4.0 + 1.0 + 3.0;  // disparity, its sigma, its share, colour
   const Camera camera = rectifier_.RectifiedCamera();
   return 1e-6 * kBytes * camera.width * camera.height;
 }

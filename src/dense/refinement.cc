@@ -127,9 +127,13 @@ RefinedDisparity RefineDisparity(const cv::Mat& left, const cv::Mat& right,
   MomentMaps moments = MomentsOf(coarse > 0.0F, residual, gradient, options.refinement_px);
   ReplaceAtSteps({coarse, residual, gradient, options.refinement_px}, moments);
   const cv::Mat finer = TakeSteps(coarse, moments);
-  RefinedDisparity refined{SmoothDisparity(finer, radius_px), VariancesOf(moments, options)};
-  refined.sigma += kSmoothings * SquareBendOf(refined.disparity, radius_px);
-  cv::sqrt(refined.sigma, refined.sigma);
+  RefinedDisparity refined{.disparity = SmoothDisparity(finer, radius_px)};
+  const cv::Mat smoothed2 = kSmoothings * SquareBendOf(refined.disparity, radius_px);
+  const cv::Mat variance = VariancesOf(moments, options) + smoothed2;
+  cv::sqrt(variance, refined.sigma);
+  // Stored in single per cents it would be a sixth of a depth map's bytes.
+  cv::divide(smoothed2, variance, refined.smoothed_pct, 10.0, CV_8U);
+  refined.smoothed_pct *= 10;
   return refined;
 }
 

@@ -70,6 +70,7 @@ DepthView BlocksOf(const DepthView& view, double brightness) {
   cv::resize(map.disparity_sigma(whole), blocks.map.disparity_sigma, size, 0.0, 0.0,
              cv::INTER_AREA);
   blocks.map.disparity_sigma /= side_px;
+  blocks.map.smoothed_pct.release();
   return blocks;
 }
 

@@ -154,6 +154,16 @@ std::optional<Measurement> MeasurementAt(const DepthMap& map, cv::Point pixel) {
                      map.DepthSigma(disparity_px, map.disparity_sigma.at<float>(pixel))};
 }
 
+// By how much a mean over so many views is less sure than the smallest of sigmas would have it. Of
+// what smoothing takes off a surface, views from other places, with other pixels, have half in
+// common (docs/measured.md, "Sigmas of points").
+double SharedFactor(const DepthMap& map, cv::Point pixel, int views) {
+  constexpr double kShared = 0.5;
+  if (map.smoothed_pct.empty()) return 1.0;
+  const double smoothed = 0.01 * map.smoothed_pct.at<std::uint8_t>(pixel);
+  return std::sqrt(1.0 + kShared * smoothed * (views - 1));
+}
+
 std::optional<SurfaceSample> SampleAt(const DepthView& reference, const Views& views,
                                       cv::Point pixel, const FusionOptions& options) {
   const DepthMap& map = reference.map;
@@ -171,6 +181,7 @@ std::optional<SurfaceSample> SampleAt(const DepthView& reference, const Views& v
   // A pixel covers more of a surface seen edge on, in one direction.
   sample.pixel_m = static_cast<float>(x.z() / map.camera.fx / std::sqrt(std::max(cosine, 0.01)));
   sample.cosine = static_cast<float>(std::max(cosine, 0.0));
+  sample.shared = static_cast<float>(SharedFactor(map, pixel, consensus->agreeing));
   sample.x_in_world = reference.world_from_rectified * x;
   sample.normal = (reference.world_from_rectified.rotation * normal).cast<float>();
   const cv::Vec3b bgr = map.colour.at<cv::Vec3b>(pixel);

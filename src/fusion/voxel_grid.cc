@@ -56,7 +56,7 @@ std::size_t HashOf(std::uint64_t key) {
 
 float SurfaceSample::OffSurfaceM() const {
   constexpr float kRoughness = 0.4F;  // slope; docs/measured.md, "Sigmas of points"
-  return sigma_m *
+  return shared * sigma_m *
          std::hypot(cosine, kRoughness * std::sqrt(std::max(0.0F, 1.0F - cosine * cosine)));
 }
 

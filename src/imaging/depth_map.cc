@@ -22,12 +22,12 @@ struct StoredDepth {
   Camera camera;
   Rigid3 left_from_rectified;
   double baseline_m = 0.0, steps_per_px = 0.0;
-  std::vector<std::uint8_t> disparity, sigma, colour;  // packed
+  std::vector<std::uint8_t> disparity, sigma, smoothed, colour;  // packed
 
   template <class Archive>
   void serialize(Archive& archive) {
     archive(stamp_ns, camera, left_from_rectified, baseline_m, steps_per_px, disparity, sigma,
-            colour);
+            smoothed, colour);
   }
 };
 
@@ -65,15 +65,20 @@ std::optional<double> DisparityBiasPx(const DepthMap& map,
 
 void SaveDepth(const std::filesystem::path& path, const std::string& key, const DepthMap& map) {
   cv::Mat steps, sigma_steps, colour = map.colour.clone();
+  cv::Mat smoothed_pct = map.smoothed_pct.empty()
+                             ? cv::Mat(map.disparity.size(), CV_8UC1, cv::Scalar(0))
+                             : map.smoothed_pct.clone();
   const cv::Mat unknown = map.disparity == 0.0F;
   const double steps_per_px = StepsPerPixel(map.disparity);
   map.disparity.convertTo(steps, CV_16U, steps_per_px);
   map.disparity_sigma.convertTo(sigma_steps, CV_8U, kStoredSigmaSteps);
   sigma_steps = cv::max(sigma_steps, 1);
   sigma_steps.setTo(0, unknown);
+  smoothed_pct.setTo(0, unknown);
   colour.setTo(cv::Scalar::all(0), unknown);
-  const StoredDepth stored{map.stamp_ns, map.camera,  map.left_from_rectified, map.baseline_m,
-                           steps_per_px, Pack(steps), Pack(sigma_steps),       Pack(colour)};
+  const StoredDepth stored{map.stamp_ns,      map.camera,         map.left_from_rectified,
+                           map.baseline_m,    steps_per_px,       Pack(steps),
+                           Pack(sigma_steps), Pack(smoothed_pct), Pack(colour)};
   WriteArtefact(path, key, stored);
 }
 
@@ -86,12 +91,16 @@ std::optional<DepthMap> LoadDepth(const std::filesystem::path& path, const std::
                stored->baseline_m,
                {},
                {},
+               {},
                {}};
   const cv::Size size(stored->camera.width, stored->camera.height);
   const cv::Mat steps = Unpack(stored->disparity, size, CV_16UC1);
   const cv::Mat sigma_steps = Unpack(stored->sigma, size, CV_8UC1);
+  map.smoothed_pct = Unpack(stored->smoothed, size, CV_8UC1);
   map.colour = Unpack(stored->colour, size, CV_8UC3);
-  if (steps.empty() || sigma_steps.empty() || map.colour.empty()) return std::nullopt;
+  if (steps.empty() || sigma_steps.empty() || map.smoothed_pct.empty() || map.colour.empty()) {
+    return std::nullopt;
+  }
   steps.convertTo(map.disparity, CV_32F, 1.0 / stored->steps_per_px);
   sigma_steps.convertTo(map.disparity_sigma, CV_32F, 1.0 / kStoredSigmaSteps);
   return map;

@@ -25,6 +25,9 @@ struct DepthMap {
   // CV_32FC1, px; one standard deviation of each known disparity, kUnsurePx where it may be that of
   // something beside.
   cv::Mat disparity_sigma;
+  // CV_8UC1: how many per cent of that sigma's square are what smoothing may have taken off the
+  // surface, which frames that see it from elsewhere have in common. Empty: none.
+  cv::Mat smoothed_pct;
   cv::Mat colour;  // CV_8UC3, BGR; anything where the disparity is unknown
 
   // z in rectified axes, metres, of a known disparity (> 0); and its standard deviation

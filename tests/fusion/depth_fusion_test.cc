@@ -150,6 +150,27 @@ TEST_F(FuseDepthMapsOfGround, HasEveryPixelOfASingleDepthMap) {
   for (const SurfacePoint& point : sure) ASSERT_LE(point.sigma_m, 0.01F);
 }
 
+// What smoothing took off in all frames is not halved by four of them.
+TEST_F(FuseDepthMapsOfGround, AveragesOnlyWhatFramesDoNotShare) {
+  Drive(8, {.noise_px = 0.05, .sigma_px = 0.05});
+  const PointCloud apart = Fuse();
+  for (DepthMap& map : maps_) {
+    map.smoothed_pct = cv::Mat(map.disparity.size(), CV_8UC1, cv::Scalar(100));
+  }
+  Store();
+  const PointCloud alike = Fuse();
+  ASSERT_EQ(alike.size(), apart.size());
+  double sum = 0.0;
+  for (std::size_t i = 0; i < alike.size(); ++i) {
+    ASSERT_EQ(alike[i].x_in_world, apart[i].x_in_world);
+    const double factor = alike[i].sigma_m / apart[i].sigma_m;
+    ASSERT_GE(factor, std::sqrt(1.5) - 1e-5);  // of two frames
+    ASSERT_LE(factor, std::sqrt(4.5) + 1e-5);  // of eight
+    sum += factor;
+  }
+  EXPECT_GT(sum / static_cast<double>(alike.size()), std::sqrt(2.0));  // of more than three
+}
+
 TEST_F(FuseDepthMapsOfGround, HasFinerVoxelsOnSteepFaces) {
   Drive(4, {.noise_px = 0.05, .sigma_px = 0.05});
   options_.min_observations = 1;

@@ -21,6 +21,7 @@ DepthMap RandomMap() {
   map.baseline_m = 0.12;
   map.disparity.create(48, 64, CV_32FC1);
   map.disparity_sigma.create(48, 64, CV_32FC1);
+  map.smoothed_pct.create(48, 64, CV_8UC1);
   map.colour.create(48, 64, CV_8UC3);
   for (int row = 0; row < 48; ++row) {
     for (int column = 0; column < 64; ++column) {
@@ -29,6 +30,7 @@ DepthMap RandomMap() {
           known ? static_cast<float>(std::floor(random.Uniform(16.0, 16000.0))) / 16.0F : 0.0F;
       map.disparity_sigma.at<float>(row, column) =
           static_cast<float>(std::ceil(random.Uniform(0.0, 255.0))) / 128.0F;
+      map.smoothed_pct.at<uchar>(row, column) = static_cast<uchar>(random.Uniform(0.0, 101.0));
       const auto value = static_cast<uchar>(random.Uniform(0.0, 256.0));
       map.colour.at<cv::Vec3b>(row, column) = {value, 7, 255};
     }
@@ -48,6 +50,7 @@ TEST(StoredDepth, ComesBackAsItWas) {
   EXPECT_EQ(cv::norm(loaded->disparity, map.disparity, cv::NORM_INF), 0.0);
   const cv::Mat known = map.disparity > 0.0F;
   EXPECT_EQ(cv::norm(loaded->disparity_sigma, map.disparity_sigma, cv::NORM_INF, known), 0.0);
+  EXPECT_EQ(cv::norm(loaded->smoothed_pct, map.smoothed_pct, cv::NORM_INF, known), 0.0);
   EXPECT_EQ(cv::norm(loaded->colour, map.colour, cv::NORM_INF, known), 0.0);
   EXPECT_FALSE(LoadDepth(folder.Path() / "depth", "another key"));
   EXPECT_FALSE(LoadDepth(folder.Path() / "nowhere", "key"));

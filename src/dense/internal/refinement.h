@@ -8,8 +8,9 @@
 namespace rigmap {
 
 struct RefinedDisparity {
-  cv::Mat disparity;  // CV_32FC1, px; 0 where unknown
-  cv::Mat sigma;      // CV_32FC1, px; one standard deviation of each known disparity
+  cv::Mat disparity;     // CV_32FC1, px; 0 where unknown
+  cv::Mat sigma;         // CV_32FC1, px; one standard deviation of each known disparity
+  cv::Mat smoothed_pct;  // CV_8UC1, of its square, in tens: SquareBendOf
 };
 
 // What a matcher found is smoothed, brought by one step of least squares (Lucas and Kanade 1981) to

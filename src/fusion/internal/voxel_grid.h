@@ -16,10 +16,11 @@ struct SurfaceSample {
   Eigen::Vector3d x_in_world;  // metres
   Eigen::Vector3f normal;      // unit, in world; zero where unknown
   std::array<std::uint8_t, 3> rgb{};
-  float sigma_m = 0.0F;  // along the viewing rays, > 0
+  float sigma_m = 0.0F;  // along the viewing rays, > 0, as if its measurements shared no error
   int observations = 1;  // depth pixels it was made from
   float pixel_m = 0.0F;  // what a pixel covers of the surface
   float cosine = 1.0F;   // between its normal and the ray against which it was seen
+  float shared = 1.0F;   // by what they do share, its sigma is so many times as large
 
   // One standard deviation of its distance from the surface. An error along a ray would be off a
   // plane by the cosine; but what a window covers is rough, the more so the flatter it is seen.
