@@ -78,43 +78,31 @@ bool IsTextured(const LeastSquares& found, float count) {
   return found.gradient2 > kNoiseGradient2 * found.unexplained2 * most;
 }
 
-// 0 where nothing is known.
-cv::Mat TakeSteps(const cv::Mat& coarse, const MomentMaps& moments) {
-  cv::Mat finer(coarse.size(), CV_32F);
+// Where the least squares lead, 0 where nothing is known, and their variance, px2.
+struct Finer {
+  cv::Mat disparity, variance;
+};
+
+Finer TakeSteps(const cv::Mat& coarse, const MomentMaps& moments, const DenseOptions& options) {
+  const auto factor = static_cast<float>(options.refined_sigma_factor),
+             least = static_cast<float>(options.least_sigma_px);
+  Finer finer{cv::Mat(coarse.size(), CV_32F), cv::Mat(coarse.size(), CV_32F)};
   for (int row = 0; row < coarse.rows; ++row) {
     const auto *from = coarse.ptr<float>(row), *count = moments.counts.ptr<float>(row);
     const auto *gradient2 = moments.gradient2.ptr<float>(row),
                *product = moments.product.ptr<float>(row),
                *residual2 = moments.residual2.ptr<float>(row);
-    auto* to = finer.ptr<float>(row);
+    auto *to = finer.disparity.ptr<float>(row), *variance = finer.variance.ptr<float>(row);
     for (int x = 0; x < coarse.cols; ++x) {
       const LeastSquares found = Solve(gradient2[x], product[x], residual2[x]);
       const float moved = from[x] + std::clamp(found.step_px, -kMostStep, kMostStep);
       const bool is_known = from[x] > 0.0F && moved > 0.0F && IsTextured(found, count[x]);
       to[x] = is_known ? moved : 0.0F;
-    }
-  }
-  return finer;
-}
-
-// Of the least squares, px2.
-cv::Mat VariancesOf(const MomentMaps& moments, const DenseOptions& options) {
-  const auto factor = static_cast<float>(options.refined_sigma_factor),
-             least = static_cast<float>(options.least_sigma_px);
-  cv::Mat variances(moments.counts.size(), CV_32F);
-  for (int row = 0; row < variances.rows; ++row) {
-    const auto *count = moments.counts.ptr<float>(row),
-               *gradient2 = moments.gradient2.ptr<float>(row),
-               *product = moments.product.ptr<float>(row),
-               *residual2 = moments.residual2.ptr<float>(row);
-    auto* variance = variances.ptr<float>(row);
-    for (int x = 0; x < variances.cols; ++x) {
-      const LeastSquares found = Solve(gradient2[x], product[x], residual2[x]);
       const float of_mean = found.unexplained2 / (found.gradient2 * count[x]);
       variance[x] = factor * factor * of_mean + least * least;
     }
   }
-  return variances;
+  return finer;
 }
 
 }  // namespace
@@ -126,10 +114,10 @@ RefinedDisparity RefineDisparity(const cv::Mat& left, const cv::Mat& right,
   const auto [residual, gradient] = Compare(left, right, coarse);
   MomentMaps moments = MomentsOf(coarse > 0.0F, residual, gradient, options.refinement_px);
   ReplaceAtSteps({coarse, residual, gradient, options.refinement_px}, moments);
-  const cv::Mat finer = TakeSteps(coarse, moments);
-  RefinedDisparity refined{.disparity = SmoothDisparity(finer, radius_px)};
+  const Finer finer = TakeSteps(coarse, moments, options);
+  RefinedDisparity refined{.disparity = SmoothDisparity(finer.disparity, radius_px)};
   const cv::Mat smoothed2 = kSmoothings * SquareBendOf(refined.disparity, radius_px);
-  const cv::Mat variance = VariancesOf(moments, options) + smoothed2;
+  const cv::Mat variance = finer.variance + smoothed2;
   cv::sqrt(variance, refined.sigma);
   // Stored in single per cents it would be a sixth of a depth map's bytes.
   cv::divide(smoothed2, variance, refined.smoothed_pct, 10.0, CV_8U);
