@@ -57,8 +57,8 @@ void AddWhere(CLI::App* command, PartArguments& a) {
   command->add_flag("--force", a.force, "Remove an earlier result from the output folder first");
   command->add_flag(
       "--depth-maps", a.depth_maps,
-      "Write each keyframe's depth and its sigma as images, and a workspace for COLMAP's "
-      "fusion and meshing (dense.depth_maps)");
+      "Write the depth of each frame of the map and its sigma as images, and a workspace for "
+      "COLMAP's fusion and meshing (dense.depth_maps)");
 }
 
 void AddUseRtk(CLI::App* command, bool& use_rtk) {

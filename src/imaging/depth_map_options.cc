@@ -8,8 +8,8 @@ OptionFields DepthMapOptions::Fields() {
        &depth_maps,
        "",
        {},
-       "Write the depth of each keyframe and its sigma as images, too, and a workspace for "
-       "COLMAP's fusion and meshing (--depth-maps)."},
+       "Write the depth of each frame of the map and its sigma as images, too, and a workspace "
+       "for COLMAP's fusion and meshing (--depth-maps)."},
   };
 }
 

@@ -14,6 +14,7 @@
 #include "core/progress.h"
 #include "core/statistics.h"
 #include "correspondence/stereo_points.h"
+#include "dense/frames_for_depth.h"
 #include "dense/seen_depths.h"
 #include "pipeline/code_identity.h"
 #include "workflows/stages/dense_memory.h"
@@ -23,9 +24,6 @@ namespace rigmap {
 namespace {
 
 constexpr const char* kJoinableDepths = "joining/depths.bin";
-
-// With fewer keyframes than this all frames are matched.
-constexpr std::ptrdiff_t kFewKeyframes = 3;
 
 // Of the memory for dense matching, what may stay with the process from frame to frame; the rest is
 // for one that needs more than those before.
@@ -37,26 +35,6 @@ std::optional<double> MedianOfKnown(const std::vector<std::optional<double>>& va
     if (value) known.push_back(*value);
   }
   return known.empty() ? std::nullopt : std::optional(Median(std::move(known)));
-}
-
-// Frames whose depth goes into the map: keyframes, and all frames where there are hardly any; none
-// that is posed by odometry or prediction with a sigma that the voxels would show, none that cannot
-// be read.
-std::vector<int> DenseFrames(const Trajectory& trajectory, const FeatureIndex& features,
-                             double voxel_m) {
-  const auto& unreadable = features.unreadable_frames;
-  const bool all = std::ranges::count(trajectory, true, &TimedPose::keyframe) < kFewKeyframes;
-  std::vector<int> frames;
-  for (std::size_t i = 0; i < trajectory.size(); ++i) {
-    const TimedPose& pose = trajectory[i];
-    const bool sure =
-        pose.source == PoseSource::kAdjusted ||
-        (pose.source == PoseSource::kOdometry && pose.sigmas.head<3>().maxCoeff() < voxel_m);
-    const int frame = static_cast<int>(i);
-    if (std::binary_search(unreadable.begin(), unreadable.end(), frame)) continue;
-    if (sure && (all || pose.keyframe)) frames.push_back(frame);
-  }
-  return frames;
 }
 
 constexpr double kPair_mb = 1.0;  // of each pair of a part (docs/traverse.md)
@@ -177,7 +155,9 @@ DepthIndex MakeJoinedDepths(const StageContext& context, const Dataset& dataset,
                             const VoxelOptions& voxel) {
   const SeenDepths seen = DepthsSeen(part.rig, part.points_in_left, features.near_m);
   DepthIndex index = IndexFor(part.rig, seen, voxel);
-  index.frames = DenseFrames(part.trajectory, features, index.voxel_m);
+  index.frames = FramesForDepth(
+      {part.trajectory, part.rig.left.camera, part.points_in_left, features.unreadable_frames},
+      seen.near_m, index.voxel_m);
   return MatchFrames(context, dataset, content, features.rig_fixed, part.rig, part.points_in_left,
                      seen.nearest_m, {options, masks, voxel}, std::move(index), known);
 }
@@ -227,8 +207,8 @@ bool AreDepthsThere(const StageContext& context, const DepthIndex& index) {
 DenseStage DenseMatching() {
   return {.name = "dense",
           .about =
-              "depth of each keyframe by semi-global matching, refined below the pixel, each pixel "
-              "with its sigma",
+              "depth of keyframes, and of frames between them where more passes, by semi-global "
+              "matching, refined below the pixel, each pixel with its sigma",
           .code = CodeHere(),
           .make = MakeDepths,
           .publishes = {kJoinableDepths},
@@ -249,7 +229,8 @@ std::optional<FrameFile> KnownDepths::FileOf(int frame, const std::string& how) 
 JoinedDenseStage JoinedDepths() {
   return {.name = "dense",
           .about =
-              "depth of each keyframe as its part has found it; anew where the rig was corrected "
+              "depth of each frame of the map as its part has found it; anew where the rig was "
+              "corrected "
               "since",
           .code = CodeHere(),
           .make = MakeJoinedDepths,

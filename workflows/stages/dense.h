@@ -1,4 +1,4 @@
-// The stage `dense`: each keyframe's depth map, in a file of its own.
+// The stage `dense`: depth maps of the frames that the map is made of, each in a file.
 #pragma once
 
 #include <filesystem>

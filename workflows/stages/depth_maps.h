@@ -1,4 +1,4 @@
-// The stage `depth_maps`: leaves each keyframe's depth as images, if asked for.
+// The stage `depth_maps`: leaves the map's frames' depth as images, if asked for.
 #pragma once
 
 #include "imaging/depth_map_options.h"
