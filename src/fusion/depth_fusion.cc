@@ -7,6 +7,7 @@
 
 #include "core/progress.h"
 #include "fusion/internal/carried_cells.h"
+#include "fusion/internal/covering_views.h"
 #include "fusion/internal/frame_agreement.h"
 #include "fusion/internal/layered_grid.h"
 #include "fusion/internal/past_light.h"
@@ -53,10 +54,16 @@ void TakeSingle(const DepthView& view, FusionOptions options, const FusionTarget
 }
 
 // Those of a sound frame, compared with those that are sound.
-void AddSamplesOf(std::size_t frame, const FusionOptions& options, FrameAgreement& agreement,
-                  ViewCache& cache, PastLight& past_light, LayeredGrid& grid) {
+void AddSamplesOf(std::size_t frame, std::span<const Rigid3> world_from_left,
+                  const FusionOptions& options, FrameAgreement& agreement, ViewCache& cache,
+                  PastLight& past_light, LayeredGrid& grid) {
   FrameComparison compared = agreement.ComparisonOf(frame);
   const auto is_unsound = [&](std::size_t other) { return !agreement.IsSound(other); };
+  std::erase_if(compared.near, is_unsound);
+  const std::size_t near = compared.near.size();
+  compared.near.insert(compared.near.end(), compared.further.begin(), compared.further.end());
+  compared.near =
+      CoveringViews(*cache.Get({&frame, 1}).front(), compared.near, world_from_left, near);
   std::erase_if(compared.near, is_unsound);
   std::erase_if(compared.ahead, is_unsound);
   const double brightness = agreement.BrightnessFor(frame);
@@ -98,7 +105,7 @@ std::vector<std::size_t> FuseDepthMaps(std::span<const PosedDepth> depths, doubl
   Progress progress("fusion", depths.size());
   for (std::size_t frame = 0; frame < depths.size(); ++frame) {
     if (agreement.IsSound(frame)) {
-      AddSamplesOf(frame, options, agreement, cache, past_light, grid);
+      AddSamplesOf(frame, world_from_left, options, agreement, cache, past_light, grid);
     } else {
       left_out.push_back(frame);
     }

@@ -38,7 +38,13 @@ FrameComparison CompareWith(std::size_t reference, std::span<const Rigid3> world
       found.near.push_back(i);
       continue;
     }
-    if (found.ahead.size() == static_cast<std::size_t>(options.ahead)) break;
+    const bool is_asked_for = found.ahead.size() < static_cast<std::size_t>(options.ahead);
+    if (found.further.size() < kFurther) {
+      found.further.push_back(i);
+    } else if (!is_asked_for) {
+      break;
+    }
+    if (!is_asked_for) continue;
     if ((world_from_left[i].translation - own_position).dot(own_forward) <= 0.0) continue;
     if (rank++ < next) continue;
     found.ahead.push_back(i);

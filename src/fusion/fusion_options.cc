@@ -8,8 +8,9 @@ OptionFields FusionOptions::Fields() {
        "Side of the cubes on faces steeper than 45 degrees. Rocks are small, and their faces are "
        "seen head on: at three metres a pixel of 840 px focal length covers 4 mm of them."},
       {"neighbours", &neighbours, "", AtLeast(0),
-       "Nearest frames that a depth map is compared with. Eight reach four frames to either side, "
-       "which still see the same rocks."},
+       "Frames that a depth map is compared with, the nearest ones. Eight reach four frames to "
+       "either side, which still see the same rocks. Further ones take the places of up to half of "
+       "them where they show what none of the nearest does."},
       {"ahead", &ahead, "", AtLeast(0),
        "Further frames ahead, ever more apart (six reach some twenty frames), that are asked "
        "whether they see a point from clearly nearer: if so they give it themselves, or deny it."},
