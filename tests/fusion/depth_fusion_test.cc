@@ -95,6 +95,15 @@ std::set<std::pair<long, long>> CoveredSquares(const PointCloud& cloud) {
   return covered;
 }
 
+// What the nearest frames have passed a further one behind has seen.
+TEST_F(FuseDepthMapsOfGround, KeepsWhatOnlyAFurtherFrameConfirms) {
+  for (const double x_m : {0.0, 1.2, 1.3, -1.4}) AddView(x_m, {});
+  Store();
+  options_.neighbours = 2;
+  const std::set<std::pair<long, long>> covered = CoveredSquares(Fuse());
+  for (long x_dm = 10; x_dm <= 18; ++x_dm) EXPECT_TRUE(covered.contains({x_dm, 0})) << x_dm;
+}
+
 TEST_F(FuseDepthMapsOfGround, GivesOneThinLayer) {
   Drive(2, {});
   const PointCloud cloud = Fuse();
