@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <opencv2/core.hpp>
+#include <optional>
 #include <string>
 #include <thread>
 
@@ -78,7 +79,7 @@ void AddOptions(CLI::App& app, Arguments& a) {
   app.add_flag("--rig-only", a.rig_only,
                "Write data/rig.yaml and truth/rig.yaml alone: another --rig-error for images that "
                "are there already");
-  app.add_flag("--force", a.force, "Replace the output folder, whatever it holds");
+  app.add_flag("--force", a.force, "Replace the output folder, where it holds a simulated drive");
   app.add_flag("--quiet", a.quiet, "No progress, errors only");
   app.add_option("--rig-error", r.rig_errors,
                  "NAME=VALUE, see below: what data/rig.yaml says differs from the rig by so much; "
@@ -88,14 +89,56 @@ void AddOptions(CLI::App& app, Arguments& a) {
              DescribeRigErrorNames());
 }
 
-void RequireUsableFolder(const fs::path& out, bool force) {
-  if (!fs::exists(out) || force) return;
+// Something in the folder that a simulation, finished or not, does not leave there.
+std::optional<fs::path> StrangerIn(const fs::path& folder) {
+  for (const auto& entry : fs::directory_iterator(folder)) {
+    const fs::path name = entry.path().filename();
+    if (name != "data" && name != "truth") return name;
+  }
+  return std::nullopt;
+}
+
+// What a run that was killed has left beside the folder it would have made.
+std::optional<fs::path> UnfinishedBeside(const fs::path& out) {
+  const fs::path parent = fs::absolute(out).parent_path();
+  if (!fs::is_directory(parent)) return std::nullopt;
+  for (const auto& entry : fs::directory_iterator(parent)) {
+    const fs::path name = entry.path().filename();
+    if (IsTemporaryName(name.string()) && name.stem() == out.filename()) return entry.path();
+  }
+  return std::nullopt;
+}
+
+bool IsSimulation(const fs::path& folder) {
+  return !StrangerIn(folder) && fs::exists(folder / "data" / "rig.yaml") &&
+         fs::exists(folder / "truth" / "rig.yaml");
+}
+
+// Nothing is taken away that this program did not write.
+void RequireUsableFolder(const fs::path& name, bool force) {
+  const fs::path out = name.has_filename() ? name : name.parent_path();
+  if (const auto unfinished = UnfinishedBeside(out); unfinished && fs::is_directory(*unfinished)) {
+    if (const auto stranger = StrangerIn(*unfinished)) {
+      throw DataError(
+          fmt::format("{}: expected nothing, or what was left of a simulation, found {}",
+                      unfinished->string(), stranger->string()));
+    }
+  }
+  if (!fs::exists(out)) return;
   if (!fs::is_directory(out)) {
     throw DataError(fmt::format("{}: expected a folder or nothing, found a file", out.string()));
   }
-  if (!fs::is_empty(out)) {
-    throw DataError(fmt::format(
-        "{}: expected an empty folder or nothing, found files; --force replaces it", out.string()));
+  if (fs::is_empty(out)) return;
+  if (!IsSimulation(out)) {
+    throw DataError(
+        fmt::format("{}: expected a simulated drive, an empty folder or nothing, found {}",
+                    out.string(), StrangerIn(out).value_or("no rig files").string()));
+  }
+  if (!force) {
+    throw DataError(
+        fmt::format("{}: expected an empty folder or nothing, found a simulated drive; --force "
+                    "replaces it",
+                    out.string()));
   }
 }
 

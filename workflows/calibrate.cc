@@ -103,7 +103,9 @@ void WarnOfContradictions(const CalibrationPool& pool, const PooledCalibration& 
   }
 }
 
-// Only a rig file may be replaced.
+constexpr const char* kPooledMark = "# A rig as ";  // what such a file begins with
+
+// Only what an earlier calibration has written may be replaced.
 void RequireRigOut(const std::filesystem::path& path) {
   const std::filesystem::path folder = std::filesystem::absolute(path).parent_path();
   if (!std::filesystem::is_directory(folder)) {
@@ -114,12 +116,10 @@ void RequireRigOut(const std::filesystem::path& path) {
   if (std::filesystem::is_directory(path)) {
     throw DataError(fmt::format("{}: expected a file to write to, found a folder", path.string()));
   }
-  try {
-    ReadRigFile(path);
-  } catch (const DataError&) {
-    throw DataError(fmt::format("{}: expected a rig file to replace or none, found something else",
-                                path.string()));
-  }
+  if (ReadBytes(path).starts_with(kPooledMark)) return;
+  throw DataError(fmt::format(
+      "{}: expected a rig file that rigmap calibrate has written, or none, found something else",
+      path.string()));
 }
 
 std::string CalibrateNow(const CalibrateRequest& request) {
@@ -133,7 +133,7 @@ std::string CalibrateNow(const CalibrateRequest& request) {
                    Contributions(pool, *calibration, options)};
   pooled.rig.calibration_covariance = calibration->pooled.covariance;
   WriteFileAtomically(request.rig_out, [&](std::ostream& stream) {
-    stream << fmt::format("# A rig as {} parts tell it together.\n", pooled.pool->parts.size())
+    stream << fmt::format("{}{} parts tell it together.\n", kPooledMark, pooled.pool->parts.size())
            << WritePooledRigFile(pooled);
   });
   WarnOfContradictions(pool, *calibration);

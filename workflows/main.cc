@@ -173,6 +173,7 @@ void SayHowToGoOn(int signal) {
 // Where it goes on, and Ctrl-C is not meant for the shell alone.
 void LetGoOnAfterInterrupt() {
   if (std::signal(SIGINT, SayHowToGoOn) == SIG_IGN) std::signal(SIGINT, SIG_IGN);
+  std::signal(SIGXFSZ, SIG_IGN);  // a file that may not grow is a write that fails, and is named
 }
 
 int Main(int argc, char** argv) {

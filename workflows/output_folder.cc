@@ -131,6 +131,7 @@ std::optional<FolderMark> MarkIn(const fs::path& root) {
 }
 
 OutputLock::OutputLock(const fs::path& root) {
+  RequireNoHome(root);
   std::error_code code;
   fs::create_directories(root, code);
   if (code) {

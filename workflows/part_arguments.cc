@@ -39,7 +39,8 @@ void AddHow(CLI::App* command, PartArguments& a) {
   command->add_option("--set", a.assignments, "section.option=value, over --config");
   command->add_option(
       "--accuracy", a.accuracy_pct,
-      "Per cent of the path that scale and positions must be good to (95 %); default 1");
+      "Per cent of the path that scale and positions must be good to (95 %), over --config; "
+      "default 1");
   command->add_option("--threads", a.threads, "Threads; default: one per core");
   command->add_option(
       "--memory", a.memory_mb,
@@ -118,6 +119,13 @@ PartRequest MakeRequestWithoutStages(const PartArguments& a, std::string command
   request.out = a.out;
   request.options = LoadPartOptions(IfGiven<fs::path>(a.config), a.assignments);
   if (a.accuracy_pct) {
+    const auto same = std::ranges::find_if(a.assignments, [](const std::string& assignment) {
+      return assignment.starts_with("gates.accuracy_pct=");
+    });
+    if (same != a.assignments.end()) {
+      throw UsageError(fmt::format("--accuracy {}: expected no --set of the same, found {}",
+                                   *a.accuracy_pct, *same));
+    }
     request.options.gates.poses.accuracy_pct = *a.accuracy_pct;
     RequireValid(request.options.gates);
   }

@@ -40,8 +40,7 @@ std::vector<PartFolder> NameParts(const std::vector<fs::path>& outs) {
     fs::path root = fs::weakly_canonical(out);
     if (!root.has_filename()) root = root.parent_path();
     if (std::ranges::count(folders, root, &PartFolder::root) > 0) {
-      throw UsageError(
-          fmt::format("join: expected each folder once, found {} twice", out.string()));
+      throw UsageError(fmt::format("expected each folder once, found {} twice", out.string()));
     }
     longest = std::max<std::size_t>(longest, std::distance(root.begin(), root.end()));
     folders.push_back({std::move(root), ""});

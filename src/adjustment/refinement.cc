@@ -154,7 +154,7 @@ RigRefinement NextRefinement(RigRefinement refined, const CalibrationVector& now
         GainOfRefining(refined, next, now, equations, equations.stretches, prior, options);
     if (!gain) return false;
     spdlog::info(
-        "rig refined by {} instead of {}: stretches left out gain {:.1f}, {} of {} against",
+        "rig refined by {} instead of {}? Stretches left out would gain {:.1f}, {} of {} against",
         NameOf(next), NameOf(refined), gain->sum, gain->against, gain->blocks);
     // Of six already where it is not the scale that is asked for.
     const int per_dissenter = next == RigRefinement::kAllButFocal ? 6 : kBlocksPerDissenter;

@@ -69,7 +69,7 @@ bool Read(const std::filesystem::path& path, const std::string& key,
   } catch (const std::exception& error) {
     spdlog::debug("{}: {}", path.string(), error.what());
   }
-  spdlog::warn("{}: damaged, made anew", path.string());
+  spdlog::warn("{}: damaged", path.string());
   return false;
 }
 

@@ -172,7 +172,12 @@ YamlNode ReadYaml(const std::filesystem::path& path) {
 
 YamlNode ParseYaml(const std::string& text, const std::string& name) {
   try {
-    return Conversion(name).Convert(YAML::Load(text));
+    const std::vector<YAML::Node> documents = YAML::LoadAll(text);
+    if (documents.size() > 1) {
+      throw DataError(
+          fmt::format("{}: expected one YAML document, found {}", name, documents.size()));
+    }
+    return Conversion(name).Convert(documents.empty() ? YAML::Node() : documents.front());
   } catch (const YAML::Exception& error) {
     throw DataError(fmt::format("{}: not valid YAML: {}", Where(name, error.mark), error.msg));
   }

@@ -35,9 +35,9 @@ OptionFields DenseOptions::Fields() {
        "hundred; real things hang together with the ground they stand on."},
       {"speckle_step_px", &speckle_step_px, "px", AtLeast(1),
        "Neighbours whose disparities differ by no more are connected."},
-      {"refinement_px", &refinement_px, "px", AtLeast(3).Odd(),
+      {"refinement_px", &refinement_px, "px", AtLeast(3).UpTo(51).Odd(),
        "Side of the window in which both views are brought to agree below the pixel."},
-      {"smoothing_px", &smoothing_px, "px", AtLeast(1).Odd(),
+      {"smoothing_px", &smoothing_px, "px", AtLeast(1).UpTo(51).Odd(),
        "Side of the window in which disparities of one surface are averaged (1: not at all)."},
       {"refined_sigma_factor", &refined_sigma_factor, "", MoreThan(0.0),
        "The sigma that comes with the refinement is multiplied with this: neighbours share the "

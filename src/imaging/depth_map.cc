@@ -110,7 +110,9 @@ DepthMap ReadDepth(const std::filesystem::path& path, const std::string& key) {
   std::optional<DepthMap> map = LoadDepth(path, key);
   if (map) return std::move(*map);
   throw DataError(
-      fmt::format("{}: expected the depth map with key {}, found none", path.string(), key));
+      fmt::format("{}: expected the depth map with key {}, found none or a damaged one; run again "
+                  "with --from dense",
+                  path.string(), key));
 }
 
 }  // namespace rigmap

@@ -36,6 +36,11 @@ cv::Size SizeInHeader(const std::string& path) {
         "{}: expected an image, but it cannot be decoded: no header of PNG, JPEG, PGM, PPM or TIFF",
         path));
   }
+  if (header->has_fractions || header->sample_bits > 16) {
+    throw DataError(fmt::format("{}: expected an image of 8 or 16 bit, found {} of {}", path,
+                                header->has_fractions ? "floating-point numbers" : "numbers",
+                                header->sample_bits));
+  }
   if (!header->is_whole) {
     throw UnreadableImage(fmt::format("{}: expected an image, found one that is cut off", path));
   }

@@ -190,14 +190,16 @@ bool HoldsAll(TiffDirectory& directory, std::int64_t file_size, int offsets, int
 
 std::optional<ImageHeader> ReadTiff(Bytes& file) {
   constexpr int kWidth = 256, kHeight = 257, kBitsPerSample = 258, kStripOffsets = 273,
-                kStripBytes = 279, kTileOffsets = 324, kTileBytes = 325;
+                kStripBytes = 279, kTileOffsets = 324, kTileBytes = 325, kSampleFormat = 339,
+                kFloatingPoint = 3;
   TiffDirectory directory(file);
   const auto width = directory.Value(kWidth), height = directory.Value(kHeight);
   if (!width || !height) return std::nullopt;
   return ImageHeader{
       *width, *height, directory.Value(kBitsPerSample).value_or(1),
       directory.IsWhole() && (HoldsAll(directory, file.size(), kStripOffsets, kStripBytes) ||
-                              HoldsAll(directory, file.size(), kTileOffsets, kTileBytes))};
+                              HoldsAll(directory, file.size(), kTileOffsets, kTileBytes)),
+      directory.Value(kSampleFormat) == kFloatingPoint};
 }
 
 std::optional<ImageHeader> ReadAny(Bytes& file) {

@@ -3,6 +3,7 @@
 #include <zstd.h>
 
 #include <cstddef>
+#include <memory>
 
 namespace rigmap {
 namespace {
@@ -62,8 +63,13 @@ std::vector<std::uint8_t> Pack(const cv::Mat& image) {
   } else {
     SplitDifferences<std::uint16_t>(image, bytes.data());
   }
+  const std::unique_ptr<ZSTD_CCtx, decltype(&ZSTD_freeCCtx)> context(ZSTD_createCCtx(),
+                                                                     ZSTD_freeCCtx);
+  ZSTD_CCtx_setParameter(context.get(), ZSTD_c_compressionLevel, kLevel);
+  ZSTD_CCtx_setParameter(context.get(), ZSTD_c_checksumFlag, 1);  // a byte that changed is noticed
   std::vector<std::uint8_t> packed(ZSTD_compressBound(bytes.size()));
-  packed.resize(ZSTD_compress(packed.data(), packed.size(), bytes.data(), bytes.size(), kLevel));
+  packed.resize(
+      ZSTD_compress2(context.get(), packed.data(), packed.size(), bytes.data(), bytes.size()));
   return packed;
 }
 

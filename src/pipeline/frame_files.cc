@@ -7,6 +7,8 @@
 #include <set>
 #include <utility>
 
+#include "core/artefact.h"
+
 namespace rigmap {
 
 namespace fs = std::filesystem;
@@ -16,10 +18,8 @@ FrameFile FrameFileOf(const std::string& stage, std::int64_t stamp_ns, const std
 }
 
 bool AreThere(const fs::path& root, const std::vector<FrameFile>& files) {
-  return std::ranges::all_of(files, [&](const FrameFile& file) {
-    std::error_code ignored;
-    return fs::exists(file.In(root), ignored);
-  });
+  return std::ranges::all_of(
+      files, [&](const FrameFile& file) { return HasArtefact(file.In(root), file.key); });
 }
 
 void ForgetOlderFrames(const fs::path& root, const std::vector<FrameFile>& in_use) {

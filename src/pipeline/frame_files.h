@@ -25,7 +25,7 @@ struct FrameFile {
 // stages/<stage>/<stamp>-<key>.bin
 FrameFile FrameFileOf(const std::string& stage, std::int64_t stamp_ns, const std::string& key);
 
-// True if all are there.
+// True if all are there, with their key and to their end.
 bool AreThere(const std::filesystem::path& root, const std::vector<FrameFile>& files);
 
 // Removes what is kept of the same frames beside `in_use`, but for the file of each that was in use

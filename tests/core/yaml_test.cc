@@ -76,6 +76,11 @@ TEST(YamlTest, RefusesRepeatedKeysWithTheirLine) {
             "f:3: key 'a' stands twice");
 }
 
+TEST(YamlTest, RefusesMoreThanOneDocument) {
+  EXPECT_EQ(MessageOf<DataError>([] { ParseYaml("a: 1\n---\na: 2\n", "f"); }),
+            "f: expected one YAML document, found 2");
+}
+
 TEST(YamlTest, RefusesBrokenYamlWithItsLine) {
   EXPECT_THAT(MessageOf<DataError>([] { ParseYaml("a: 1\nb: [1, 2\nc: 3\n", "f"); }),
               StartsWith("f:"));

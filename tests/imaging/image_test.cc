@@ -163,6 +163,15 @@ TEST(ReadGrey, TellsDamagedFilesFromMissingOnesAndOtherSizes) {
 }
 
 // OpenCV itself fills the rest of such a file with grey.
+TEST(ReadGrey, RefusesFloatingPointNumbers) {
+  const TemporaryFolder folder;
+  const std::string path = folder.Path() / "float.tif";
+  ASSERT_TRUE(cv::imwrite(path, cv::Mat(20, 30, CV_32F, cv::Scalar(0.5))));
+  const auto message = MessageOf<DataError>([&] { ReadGrey(path, CameraOf(30, 20), 16); });
+  EXPECT_THAT(message, AllOf(HasSubstr("float.tif: expected an image of 8 or 16 bit"),
+                             HasSubstr("floating-point numbers of 32")));
+}
+
 TEST(ReadGrey, RefusesWhatIsCutOff) {
   const TemporaryFolder folder;
   for (const char* name : {"a.png", "a.jpg"}) {

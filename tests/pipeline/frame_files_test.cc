@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "core/artefact.h"
 #include "tests/support/temporary_folder.h"
 
 namespace rigmap {
@@ -11,7 +12,7 @@ class FrameFiles : public testing::Test {
  protected:
   FrameFile Write(std::int64_t stamp_ns, const std::string& key) const {
     const FrameFile file = FrameFileOf("dense", stamp_ns, key);
-    folder_.Write(file.name, "depth");
+    WriteArtefact(file.In(Root()), key, std::string("depth"));
     return file;
   }
   bool IsThere(const FrameFile& file) const { return std::filesystem::exists(file.In(Root())); }
@@ -30,6 +31,9 @@ TEST_F(FrameFiles, AreThereOnlyIfAllAre) {
   const FrameFile one = Write(1, "a"), two = Write(2, "a");
   EXPECT_TRUE(AreThere(Root(), {one, two}));
   EXPECT_FALSE(AreThere(Root(), {one, FrameFileOf("dense", 2, "b")}));
+  // One that was cut off, by a disk that ran full or a copy that was broken off.
+  std::filesystem::resize_file(two.In(Root()), 50);
+  EXPECT_FALSE(AreThere(Root(), {one, two}));
 }
 
 TEST_F(FrameFiles, OfTheLastOptionsInUseAreKeptBesideThoseOfNow) {

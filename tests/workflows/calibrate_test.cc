@@ -201,13 +201,15 @@ TEST_F(CalibrateTest, RefusesWhatCountsTwiceOrIsOfAnotherRig) {
   EXPECT_THAT(Complaint({a, Part("c", {"c"}, {other, {}})}), HasSubstr("found another"));
 }
 
-TEST(RigOut, ReplacesNothingButARigFile) {
+TEST(RigOut, ReplacesNothingButWhatACalibrationWrote) {
   const TemporaryFolder folder;
   const fs::path data = WriteTestFile(folder.Path() / "times.txt", "1 2 3\n");
   const auto refusal = [&](const fs::path& rig_out) {
     return MessageOf<DataError>([&] { Calibrate({{folder.Path() / "part"}, rig_out}); });
   };
-  EXPECT_THAT(refusal(data), HasSubstr("expected a rig file to replace or none"));
+  EXPECT_THAT(refusal(data), HasSubstr("expected a rig file that rigmap calibrate has written"));
+  const fs::path own = WriteTestFile(folder.Path() / "calib.yaml", "left:\n  model: PINHOLE\n");
+  EXPECT_THAT(refusal(own), HasSubstr("calib.yaml: expected a rig file that rigmap calibrate"));
   EXPECT_EQ(ReadTextFile(data), "1 2 3\n");
   EXPECT_THAT(refusal(folder.Path()), HasSubstr("expected a file to write to, found a folder"));
   EXPECT_THAT(refusal(folder.Path() / "none" / "rig.yaml"), HasSubstr("expected a folder for"));

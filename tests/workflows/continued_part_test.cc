@@ -128,6 +128,32 @@ TEST_F(ContinuedPart, WithAnotherAlgorithmIsDoneAnewFromThatStageOn) {
   EXPECT_THAT(DifferentFrom(before), IsEmpty());
 }
 
+// As by a copy that was broken off.
+TEST_F(ContinuedPart, WithADepthMapThatWasCutOffMakesThatAnew) {
+  const auto before = Published();
+  const fs::path cut = fs::directory_iterator(out_ / "stages" / "dense")->path();
+  fs::resize_file(cut, 1000);
+  fs::remove(out_ / "dense.ply");
+  const ProgramEnd end = Continue();
+  ASSERT_EQ(end.exit_code, 0) << end.err;
+  EXPECT_GT(fs::file_size(cut), 1000U);
+  // Its bias is of depths as stored, or of one as it was found, to a hundredth of a pixel.
+  EXPECT_THAT(DifferentFrom(before), testing::IsSubsetOf({"joining/depths.bin"}));
+}
+
+TEST_F(ContinuedPart, SaysThatItsMapIsEmpty) {
+  const ProgramEnd end = Continue({"--set", "fusion.min_observations=100000000"});
+  EXPECT_EQ(end.exit_code, 0);
+  EXPECT_THAT(end.err, HasSubstr("the map is empty"));
+  EXPECT_THAT(Summary()["mapping"]["remarks"].dump(), HasSubstr("the map is empty"));
+}
+
+TEST_F(ContinuedPart, IsAskedForOneAccuracy) {
+  const ProgramEnd end = Continue({"--accuracy", "2", "--set", "gates.accuracy_pct=0.1"});
+  EXPECT_EQ(end.exit_code, 2);
+  EXPECT_THAT(end.err, HasSubstr("--accuracy 2: expected no --set of the same"));
+}
+
 TEST_F(ContinuedPart, WithAnotherPictureSizeMakesPicturesOnly) {
   const std::string map = ReadTextFile(out_ / "dense.ply"),
                     picture = ReadTextFile(out_ / "view_top.png");

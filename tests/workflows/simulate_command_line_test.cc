@@ -113,13 +113,26 @@ TEST_F(SimulateCommandLine, FillsAnEmptyFolderAndReplacesAFullOneByForceOnly) {
   EXPECT_EQ(first.out + first.err, "");
   EXPECT_TRUE(fs::exists(out_ / "truth" / "Part1" / "trajectory.tum"));
   EXPECT_EQ(ReadRigFile(out_ / "data" / "rig.yaml").left.camera.width, 1024);  // LocCam
-  const auto mine = WriteTestFile(out_ / "mine.txt", "mine\n");
   EXPECT_THAT(Sentence(RunSmall(out_), 1), HasSubstr("--force"));
-  EXPECT_EQ(ReadTextFile(mine), "mine\n");
   EXPECT_EQ(RunSmall(out_, {"--force"}).exit_code, 0);
-  EXPECT_FALSE(fs::exists(mine));
   EXPECT_EQ(ReadRigFile(out_ / "data" / "rig.yaml").left.camera.width, 40);
   EXPECT_EQ(FilesIn(folder_.Path()).size(), FilesIn(out_).size() + 2);  // nothing left beside
+}
+
+TEST_F(SimulateCommandLine, TakesAwayNothingThatItDidNotWrite) {
+  EXPECT_EQ(RunSmall(out_).exit_code, 0);
+  const auto mine = WriteTestFile(out_ / "mine.txt", "mine\n");
+  EXPECT_THAT(Sentence(RunSmall(out_, {"--force"}), 1), HasSubstr("found mine.txt"));
+  EXPECT_EQ(ReadTextFile(mine), "mine\n");
+  const fs::path other = folder_.Path() / "other";
+  fs::create_directories(other / "data");
+  const auto theirs = WriteTestFile(other / "data" / "theirs.txt", "theirs\n");
+  EXPECT_THAT(Sentence(RunSmall(other, {"--force"}), 1), HasSubstr("found no rig files"));
+  EXPECT_EQ(ReadTextFile(theirs), "theirs\n");
+  fs::create_directory(folder_.Path() / "new.unfinished");
+  const auto beside = WriteTestFile(folder_.Path() / "new.unfinished" / "notes.txt", "notes\n");
+  EXPECT_THAT(Sentence(RunSmall(folder_.Path() / "new"), 1), HasSubstr("found notes.txt"));
+  EXPECT_EQ(ReadTextFile(beside), "notes\n");
 }
 
 TEST_F(SimulateCommandLine, FileInTheWayEndsWithOneWithoutForce) {

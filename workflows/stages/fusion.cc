@@ -38,6 +38,16 @@ std::size_t CachedViews(const DepthIndex& depths, const FusionOptions& options,
       std::max<double>(static_cast<double>(compared), std::min<double>(kCachedViews, fitting)));
 }
 
+// What is not written then is left out by the stages that would.
+std::string EmptyMapRemark(const FusedMap& map) {
+  if (map.frames == 0) return "the map is empty: no frame is posed well enough to show in it";
+  return fmt::format(
+      "the map is empty, without rasters, pictures and dense.las: of {} depth maps nothing is "
+      "known "
+      "well enough; look at the options of dense and fusion that are not the default",
+      map.frames);
+}
+
 FusedMap MakeMap(const StageContext& context, const Dataset&, const PosedPart& part,
                  const DepthIndex& depths, const FusionOptions& asked) {
   std::vector<PosedDepth> posed;
@@ -64,6 +74,7 @@ FusedMap MakeMap(const StageContext& context, const Dataset&, const PosedPart& p
     writer.Finish();
     fused.points = writer.point_count();
   });
+  if (fused.points == 0) spdlog::warn("{}", EmptyMapRemark(fused));
   return fused;
 }
 
@@ -72,6 +83,7 @@ FusedMap MakeMap(const StageContext& context, const Dataset&, const PosedPart& p
 Report DescribeMap(const FusedMap& map, const Dataset& dataset, const PosedPart&,
                    const DepthIndex&) {
   Report remarks = Report::array();
+  if (map.points == 0) remarks.push_back(EmptyMapRemark(map));
   for (const int frame : map.frames_left_out) {
     remarks.push_back(fmt::format(
         "frame {} is left out of the map: its depth or pose disagrees with its neighbours'",

@@ -30,7 +30,8 @@ Value ReadJoinable(const std::filesystem::path& root, const char* name, std::str
   }
   if (auto value = ReadArtefact<Value>(path, HashText(code))) return std::move(*value);
   throw DataError(fmt::format(
-      "{}: expected what this version of rigmap leaves, found another's; run the part again",
+      "{}: expected what this version of rigmap leaves, found another's or a damaged file; run the "
+      "part again",
       path.string()));
 }
 

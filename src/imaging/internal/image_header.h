@@ -12,6 +12,7 @@ struct ImageHeader {
   std::int64_t height = 0;
   std::int64_t sample_bits = 8;  // of one value in the file
   bool is_whole = false;         // the file reaches to where the image must end
+  bool has_fractions = false;    // floating-point numbers
 };
 
 // Of a PNG, JPEG, PGM, PPM (PBM) or TIFF file, told by its first bytes and whatever its name; of a
