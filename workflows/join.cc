@@ -142,12 +142,39 @@ PartRequest AfterAdjustment(const JoinRequest& request, const std::vector<std::s
   return rest;
 }
 
+// Of keypoints, which are those of the parts.
+template <class Options>
+void TakeFrom(const Options& of_part, const fs::path& config, Options& ours) {
+  const std::string theirs = OptionsText(of_part);
+  if (OptionsText(ours) == theirs) return;
+  if (OptionsText(ours) != OptionsText(Options())) {
+    throw UsageError(
+        fmt::format("{}: expected these options of {}, found others; a join takes the keypoints of "
+                    "its parts",
+                    config.string(), Options::kSection));
+  }
+  ours = of_part;
+}
+
+PartOptions WithThoseOfParts(PartOptions options, const std::vector<PartFolder>& folders) {
+  for (const PartFolder& folder : folders) {
+    const fs::path config = folder.root / "config.yaml";
+    if (!fs::exists(config)) continue;
+    const PartOptions of_part = LoadPartOptions(config, {});
+    TakeFrom(of_part.features, config, options.features);
+    TakeFrom(of_part.masks, config, options.masks);
+  }
+  return options;
+}
+
 }  // namespace
 
-PartResult JoinParts(const JoinRequest& request) {
+PartResult JoinParts(const JoinRequest& asked) {
   cv::setNumThreads(1);  // the work is split over frames
-  const PartRequest& whole = request.whole;
+  JoinRequest request = asked;
   std::vector<PartFolder> folders = NameParts(request.outs);
+  request.whole.options = WithThoseOfParts(std::move(request.whole.options), folders);
+  const PartRequest& whole = request.whole;
   RequirePartsElsewhere(whole.out, request.outs);
   UnionOfParts united = UniteParts(folders, whole.out);
   if (request.use_rtk) {

@@ -153,6 +153,11 @@ JoinRequest WhatWasDone(const TraversePlan& plan,
   throw DataError(sentence);
 }
 
+// Before any part is removed: none holds what rigmap did not write.
+void RequireRemovable(const TraversePlan& plan, const std::filesystem::path& out) {
+  for (const auto& job : plan.jobs) RequireOwnOutput(out / "parts" / job.name, {}, true);
+}
+
 // Of parts that a join cannot take yet.
 PartResult WithoutJoin(const JoinRequest& done) {
   if (!done.missing.empty()) throw DataError(fmt::format("{}", fmt::join(done.missing, "; ")));
@@ -173,7 +178,11 @@ PartResult RunTraverse(const RunRequest& request) {
   const fs::path& out = request.part.out;
   RequireTraverseOutput(out);
   const auto planned = ToJson(plan, request.plan);
-  if (!request.part.force) RequireSamePlan(out, planned);
+  if (request.part.force) {
+    RequireRemovable(plan, out);
+  } else {
+    RequireSamePlan(out, planned);
+  }
   RequireDisk(plan, out);
   const OutputLock lock(out / "parts");  // the join takes that of the whole
   if (request.part.force) RemovePartsBeside(out, planned);

@@ -10,6 +10,7 @@
 #include "export/tum.h"
 #include "tests/support/simulated_part.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/support/test_file.h"
 #include "tests/workflows/rigmap_program.h"
 #include "workflows/output_folder.h"
 #include "workflows/stages/joined_parts.h"
@@ -270,6 +271,19 @@ TEST_F(TraverseTest, KnowsBeforeAnyPartIsDoneThatNoFixesCanTieIt) {
   EXPECT_FALSE(fs::exists(out_));
 }
 
+TEST_F(TraverseTest, ByForceRemovesNoPartWhereOneHoldsWhatIsNotOurs) {
+  const std::vector<std::string> cut{"--split", "2", "--overlap", "1", "--until", "features"};
+  ASSERT_EQ(Run(cut).exit_code, 0);
+  WriteTestFile(out_ / "parts" / "1.2" / "note.txt", "mine\n");
+  const auto made = fs::last_write_time(out_ / "parts" / "1.1" / "summary.json");
+  std::vector<std::string> by_force = cut;
+  by_force.push_back("--force");
+  const ProgramEnd end = Run(by_force);
+  EXPECT_EQ(end.exit_code, 1);
+  EXPECT_THAT(end.LastErrorLine(), HasSubstr("--force would remove note.txt"));
+  EXPECT_EQ(fs::last_write_time(out_ / "parts" / "1.1" / "summary.json"), made);
+}
+
 TEST_F(TraverseTest, RefusesPartsWhoseKeypointsWereDeleted) {
   const fs::path one = folder_.Path() / "one";
   ASSERT_NE(Part("0:5", one).exit_code, 1);
@@ -292,6 +306,12 @@ TEST_F(TraverseTest, WhatIsAskedForAnewIsDoneAnewOnce) {
   const ProgramEnd no_rtk = RunRigmap({"join", one, "--out", out_, "--from", "rtk"});
   EXPECT_EQ(no_rtk.exit_code, 2);
   EXPECT_THAT(no_rtk.LastErrorLine(), HasSubstr("--from rtk: expected --use-rtk beside it"));
+  EXPECT_FALSE(fs::exists(out_));
+
+  const ProgramEnd keypoints =
+      RunRigmap({"join", one, "--out", out_, "--set", "features.max_keypoints=700"});
+  EXPECT_EQ(keypoints.exit_code, 2);
+  EXPECT_THAT(keypoints.LastErrorLine(), HasSubstr("a join takes the keypoints of its parts"));
   EXPECT_FALSE(fs::exists(out_));
 
   const auto join = [&](const std::vector<std::string>& more) {
