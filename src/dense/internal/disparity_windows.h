@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <opencv2/core.hpp>
+#include <optional>
 #include <vector>
 
 namespace rigmap {
