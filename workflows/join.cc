@@ -142,12 +142,12 @@ PartRequest AfterAdjustment(const JoinRequest& request, const std::vector<std::s
   return rest;
 }
 
-// Of keypoints, which are those of the parts.
+// What parts say of their keypoints, which a join takes as they are.
 template <class Options>
 void TakeFrom(const Options& of_part, const fs::path& config, Options& ours) {
-  const std::string theirs = OptionsText(of_part);
-  if (OptionsText(ours) == theirs) return;
-  if (OptionsText(ours) != OptionsText(Options())) {
+  const std::string own = OptionsText(ours);
+  if (own == OptionsText(of_part)) return;
+  if (own != OptionsText(Options())) {
     throw UsageError(
         fmt::format("{}: expected these options of {}, found others; a join takes the keypoints of "
                     "its parts",
@@ -173,10 +173,10 @@ PartResult JoinParts(const JoinRequest& asked) {
   cv::setNumThreads(1);  // the work is split over frames
   JoinRequest request = asked;
   std::vector<PartFolder> folders = NameParts(request.outs);
-  request.whole.options = WithThoseOfParts(std::move(request.whole.options), folders);
   const PartRequest& whole = request.whole;
   RequirePartsElsewhere(whole.out, request.outs);
   UnionOfParts united = UniteParts(folders, whole.out);
+  request.whole.options = WithThoseOfParts(std::move(request.whole.options), folders);
   if (request.use_rtk) {
     const StereoRig& rig = united.dataset.rig;
     RequireFixes(rig.source, rig.antenna_in_left.has_value(), united.dataset.fixes.size());

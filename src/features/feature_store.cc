@@ -46,8 +46,8 @@ FrameFeatures FeatureStore::Get(int frame) const {
   auto features = ReadArtefact<FrameFeatures>(file.path, file.key);
   if (!features) {
     throw DataError(
-        fmt::format("{}: expected the features of a frame, found a damaged file; run the "
-                    "part again",
+        fmt::format("{}: expected the features of a frame, found a damaged file; "
+                    "run the part again",
                     file.path.string()));
   }
   state.rig_fixed.RemoveFrom(*features);

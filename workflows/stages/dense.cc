@@ -230,8 +230,7 @@ JoinedDenseStage JoinedDepths() {
   return {.name = "dense",
           .about =
               "depth of each frame of the map as its part has found it; anew where the rig was "
-              "corrected "
-              "since",
+              "corrected since",
           .code = CodeHere(),
           .make = MakeJoinedDepths,
           .is_whole = AreDepthsThere};

@@ -42,9 +42,8 @@ std::size_t CachedViews(const DepthIndex& depths, const FusionOptions& options,
 std::string EmptyMapRemark(const FusedMap& map) {
   if (map.frames == 0) return "the map is empty: no frame is posed well enough to show in it";
   return fmt::format(
-      "the map is empty, without rasters, pictures and dense.las: of {} depth maps nothing is "
-      "known "
-      "well enough; look at the options of dense and fusion that are not the default",
+      "the map is empty, without rasters, pictures and dense.las: nothing in {} depth maps is "
+      "known well enough; look at the options of dense and fusion that are not the default",
       map.frames);
 }
 
