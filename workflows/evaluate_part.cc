@@ -112,6 +112,11 @@ std::optional<double> ScaleErrorPct(const nlohmann::ordered_json& metrics) {
   return 100.0 * std::abs(factor->get<double>() - 1.0);
 }
 
+// Two digits; without an exponent where a truth is in other units, say.
+std::string PerCent(double value) {
+  return value < 99.5 ? fmt::format("{:.2g} %", value) : fmt::format("{:.0f} %", value);
+}
+
 // Whether the result is trusted, how good it says it is, and whether the truth bears that out.
 std::string Standing(const std::filesystem::path& out, const nlohmann::ordered_json& metrics) {
   const auto path = out / "summary.json";
@@ -131,8 +136,8 @@ std::string Standing(const std::filesystem::path& out, const nlohmann::ordered_j
     if (error_pct && stated.is_number()) {
       const double stated_pct = stated;
       const bool is_within = *error_pct <= stated_pct;
-      lines += fmt::format("scale off by {:.2g} %, {} the {:.2g} % stated{}\n", *error_pct,
-                           is_within ? "within" : "more than", stated_pct,
+      lines += fmt::format("scale off by {}, {} the {} stated{}\n", PerCent(*error_pct),
+                           is_within ? "within" : "more than", PerCent(stated_pct),
                            is_within ? "" : ": this or the truth is wrong");
     }
     return lines;

@@ -79,6 +79,7 @@ TEST_F(EvaluatePartTest, SaysWhetherTheTruthBearsOutWhatIsStated) {
   };
   EXPECT_THAT(with("12.0"), HasSubstr("\nscale off by 10 %, within the 12 % stated\n"));
   EXPECT_THAT(with("2.5"), HasSubstr("\nscale off by 10 %, more than the 2.5 % stated: this or"));
+  EXPECT_THAT(with("250.0"), HasSubstr("\nscale off by 10 %, within the 250 % stated\n"));
   EXPECT_THAT(with("null"), testing::Not(HasSubstr("scale off by")));
 }
 
