@@ -68,7 +68,8 @@ StageGraph JoinRecipe(const Dataset& data, const DatasetContent& data_content,
       g.AddStage(JoinedOdometry(),
                  Reading(o.features, o.corners, o.masks, o.odometry, o.dead_reckoning, o.filter),
                  dataset, features, parts);
-  const auto matches = g.AddStage(Matching(), Reading(o.matching), dataset, features, odometry);
+  const auto matches =
+      g.AddStage(Matching(), Reading(o.matching, o.features, o.masks), dataset, features, odometry);
 
   const auto graph = g.AddView(NoGraph, odometry);
   const auto aligned = g.AddView(NoMapping, odometry);

@@ -8,7 +8,8 @@ namespace rigmap {
 MappedKeyframes AddMappedKeyframes(StageGraph& g, const PartOptions& o, const MappingInputs& in) {
   const auto& [dataset, colmap, features, odometry] = in;
   // verified correspondences -> COLMAP's database -> poses in COLMAP's gauge -> metres
-  const auto matches = g.AddStage(Matching(), Reading(o.matching), dataset, features, odometry);
+  const auto matches =
+      g.AddStage(Matching(), Reading(o.matching, o.features, o.masks), dataset, features, odometry);
   const auto graph =
       g.AddStage(Database(), Reading(o.keyframe_graph), colmap, dataset, odometry, matches);
   const auto models = g.AddStage(Mapping(), Reading(o.mapping, o.matching.verification, o.scale),

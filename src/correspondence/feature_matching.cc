@@ -38,13 +38,13 @@ struct Best {
   }
 };
 
-// Features of a frame by the cell their left pixel falls into; cells are as wide as the radius, so
-// that the nine around a place hold everything within it.
+// Described features of a frame by the cell their left pixel falls into; cells are as wide as the
+// radius, so that the nine around a place hold everything within it.
 class PixelGrid {
  public:
-  PixelGrid(const std::vector<Feature>& features, double cell_px) : cell_px_(cell_px) {
-    for (std::size_t i = 0; i < features.size(); ++i) {
-      cells_[TileAt(features[i].left, cell_px_)].push_back(static_cast<int>(i));
+  PixelGrid(const FrameFeatures& frame, double cell_px) : cell_px_(cell_px) {
+    for (std::size_t i = 0; i < frame.descriptors.size(); ++i) {
+      cells_[TileAt(frame.features[i].left, cell_px_)].push_back(static_cast<int>(i));
     }
   }
 
@@ -125,7 +125,7 @@ std::vector<FeatureMatch> MatchFeatures(
     const FrameFeatures& a, const FrameFeatures& b,
     std::span<const std::optional<Eigen::Vector2d>> predicted_in_b, double radius_px,
     const FeatureMatchOptions& options) {
-  const PixelGrid grid(b.features, radius_px);
+  const PixelGrid grid(b, radius_px);
   const auto near_prediction = [&](std::size_t i, const auto& visit) {
     if (!predicted_in_b[i]) return;
     grid.Near(*predicted_in_b[i], [&](int j) {

@@ -73,6 +73,26 @@ FrameFeatures ExtractFeatures(const StereoFrame& frame, const FeatureSetup& setu
   return result;
 }
 
+std::vector<std::optional<SampledFeature>> SampleFeatures(
+    const StereoFrame& frame, const std::vector<Eigen::Vector2d>& pixels,
+    const FeatureSetup& setup) {
+  std::vector<std::string> unreadable;
+  const auto pair = ReadGreyPair(frame, setup.rig, unreadable);
+  if (!pair) return {};
+  const StereoImages images{Smooth(pair->left), Smooth(pair->right),
+                            UsableMask(pair->right, setup.right_mask, setup.mask_options)};
+  const StereoMatches matches = FindStereoMatches(images, setup.rig, pixels, setup.options);
+  const cv::Mat mask = UsableMask(pair->left, setup.left_mask, setup.mask_options);
+  std::vector<std::optional<SampledFeature>> sampled(pixels.size());
+  for (std::size_t i = 0; i < pixels.size(); ++i) {
+    const cv::Point pixel(cvRound(pixels[i].x()), cvRound(pixels[i].y()));
+    if (!cv::Rect({}, mask.size()).contains(pixel) || mask.at<std::uint8_t>(pixel) == 0) continue;
+    sampled[i] = {FeatureOf(pixels[i], matches.found[i], kPatchSize),
+                  CutPatch(images.left, pixels[i])};
+  }
+  return sampled;
+}
+
 FrameFeatures ExtractLoneFeatures(const LoneImage& image, int sample_bits,
                                   const FeatureSetup& setup) {
   FrameFeatures result;

@@ -5,6 +5,7 @@
 #include "imaging/mask.h"
 #include "scene/dataset.h"
 #include "scene/features.h"
+#include "scene/sampled_features.h"
 
 namespace rigmap {
 
@@ -24,6 +25,13 @@ FeatureSetup MakeFeatureSetup(const StereoRig& rig, const FeatureOptions& option
 // Deterministic; may run for several frames at once. A frame of which an image cannot be decoded
 // has no features and names the file; throws DataError if one is missing or not of the rig's size.
 FrameFeatures ExtractFeatures(const StereoFrame& frame, const FeatureSetup& setup);
+
+// Features at these pixels of the left image as ExtractFeatures would make them, without
+// descriptors: an entry each, nothing outside the image and where it is masked. No entries for a
+// frame of which an image cannot be decoded; throws DataError as above.
+std::vector<std::optional<SampledFeature>> SampleFeatures(
+    const StereoFrame& frame, const std::vector<Eigen::Vector2d>& pixels,
+    const FeatureSetup& setup);
 
 // Keypoints with descriptors of one eye's image alone, as `left` of its features, without patches.
 // None of one that cannot be decoded; throws DataError as above.

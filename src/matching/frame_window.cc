@@ -39,10 +39,10 @@ std::vector<std::vector<Feature>> FrameWindow::Finish(int frame_count) {
 MatchedFrame FrameWindow::Load(int frame) const {
   MatchedFrame loaded;
   loaded.refinement = StartRefinement(features_(frame));
-  loaded.points = TriangulateFeatures(loaded.refinement.refined, rig_, disparity_noise_px_);
   const auto kept = kept_.find(frame);
   if (kept != kept_.end())
     RestorePositions(kept->second.refined, kept->second.aligned, loaded.refinement);
+  loaded.points = TriangulateFeatures(loaded.refinement.found.features, rig_, disparity_noise_px_);
   return loaded;
 }
 

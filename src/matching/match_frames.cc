@@ -9,9 +9,9 @@
 #include <span>
 
 #include "correspondence/stereo_points.h"
-#include "matching/ground_warp.h"
 #include "matching/internal/find_loop_closures.h"
 #include "matching/internal/pair_matcher.h"
+#include "matching/internal/pair_refiner.h"
 #include "matching/internal/pair_selection.h"
 
 namespace rigmap {
@@ -32,19 +32,14 @@ Rigid3 OdometricMotion(const Odometry& odometry, int from, int to) {
   return odometry[to].world_from_left.Inverse() * odometry[from].world_from_left;
 }
 
-// Expected growth of a patch from a to b: the nearer, the larger.
-double Growth(const StereoPoint& in_a, const Rigid3& b_from_a) {
-  const double depth_in_b = (b_from_a * in_a.x_in_left).z();
-  return std::clamp(in_a.x_in_left.z() / std::max(depth_in_b, 1e-6), 0.5, 2.0);
-}
-
 class FrameMatcher {
  public:
   FrameMatcher(const Odometry& odometry, const FeatureSource& features, const StereoRig& rig,
-               const MatchingOptions& options)
+               const MatchingOptions& options, const FeatureSampler& sample)
       : odometry_(odometry),
         rig_(rig),
         options_(options),
+        refiner_(odometry, rig, options, sample),
         // Pairs come in order of time, so that a frame's neighbours and loop closures are all that
         // is held.
         window_(features, rig, options.disparity_noise_px, HeldFrames()) {}
@@ -92,6 +87,13 @@ class FrameMatcher {
     return pairs.size();
   }
 
+  // No keyframe lies between them: those further apart share less, and what they share is carried
+  // from one to the next.
+  bool AreNeighbours(const CandidatePair& pair) const {
+    return std::none_of(odometry_.begin() + pair.a + 1, odometry_.begin() + pair.b,
+                        [](const OdometryFrame& frame) { return frame.keyframe; });
+  }
+
   Rigid3 Predicted(const CandidatePair& pair) const {
     return pair.b_from_a.value_or(OdometricMotion(odometry_, pair.a, pair.b));
   }
@@ -99,11 +101,16 @@ class FrameMatcher {
   void Keep(const CandidatePair& pair, const VerifiedPair& verified, bool returned) {
     if (!verified.b_from_a) return;
     const StereoPose& motion = *verified.b_from_a;
-    FramePair refined =
-        Refine(pair, verified.matches, returned ? motion.current_from_reference : Predicted(pair),
-               returned);
-    spdlog::info("{} {}: {} verified, {} aligned", pair.a, pair.b, verified.matches.size(),
-                 refined.matches.size());
+    PairRefiner::Pair frames{pair.a, pair.b, window_.At(pair.a), window_.At(pair.b),
+                             returned ? motion.current_from_reference : Predicted(pair)};
+    FramePair refined = refiner_.Refine(frames, verified.matches, returned);
+    const std::size_t aligned = refined.matches.size();
+    if (!returned && AreNeighbours(pair)) {
+      frames.b_from_a = motion.current_from_reference;
+      refiner_.CarryMore(frames, refined);
+    }
+    spdlog::info("{} {}: {} verified, {} aligned, {} carried", pair.a, pair.b,
+                 verified.matches.size(), aligned, refined.matches.size() - aligned);
     // The motion is proven already: half of what that takes is enough to agree in appearance, too.
     const int enough = options_.verification.min_inliers / 2;
     if (static_cast<int>(refined.matches.size()) < enough) return;
@@ -113,65 +120,10 @@ class FrameMatcher {
                                      motion.covariance, pair.b_from_a.has_value()});
   }
 
-  // Aligns features of b with those of a where they have not been aligned yet; drops matches whose
-  // patches disagree. A feature already aligned with another view is taken as it is.
-  FramePair Refine(const CandidatePair& pair, const std::vector<FeatureMatch>& matches,
-                   const Rigid3& b_from_a, bool returned) {
-    // Align the frame that was not matched with others before, which is the one that is no keyframe
-    // or else the later one.
-    const bool backwards = !odometry_[pair.a].keyframe;
-    const int fixed_frame = backwards ? pair.b : pair.a;
-    MatchedFrame& fixed = window_.At(fixed_frame);
-    MatchedFrame& moving = window_.At(backwards ? pair.a : pair.b);
-    const Rigid3 moving_from_fixed = backwards ? b_from_a.Inverse() : b_from_a;
-    // No feature stands in two matches, so that each task has its own.
-    std::vector<char> agrees(matches.size(), 0);
-    tbb::parallel_for(std::size_t{0}, matches.size(), [&](std::size_t i) {
-      const int in_fixed = backwards ? matches[i].b : matches[i].a;
-      const int in_moving = backwards ? matches[i].a : matches[i].b;
-      agrees[i] =
-          moving.refinement.aligned[in_moving] ||
-          AlignWithReference(fixed.refinement, in_fixed, moving.refinement, in_moving,
-                             Expected(fixed, in_fixed, fixed_frame, moving_from_fixed, returned),
-                             options_);
-    });
-    FramePair result{pair.a, pair.b, {}};
-    for (std::size_t i = 0; i < matches.size(); ++i) {
-      if (agrees[i]) result.matches.emplace_back(matches[i].a, matches[i].b);
-    }
-    return result;
-  }
-
-  // How the feature's reference patch, in the frame that is held, will look in the other: bent as
-  // its ground lies; turned and stretched so, too, if it is a loop closure, which may look from
-  // another side; else grown only.
-  ExpectedView Expected(MatchedFrame& fixed, int feature, int fixed_frame,
-                        const Rigid3& moving_from_fixed, bool returned) const {
-    const auto& point = fixed.points[feature];
-    if (!point) return {};
-    ExpectedView expected{Growth(*point, moving_from_fixed) * Eigen::Matrix2d::Identity()};
-    const auto ground_here = [&] {
-      return GroundAround(fixed.refinement.found.features, fixed.points, feature, fixed_frame);
-    };
-    auto& ground = fixed.refinement.references[feature].ground;
-    if (!ground) ground = ground_here();
-    if (!ground) return expected;
-    expected.depth_change = DepthChange(*ground, rig_.left.camera);
-    const Rigid3 moving_from_source =
-        moving_from_fixed * OdometricMotion(odometry_, ground->frame, fixed_frame);
-    const auto bent = GroundWarp(*ground, moving_from_source, rig_.left.camera);
-    if (bent) expected.bend = bent->bend;
-    if (!returned) return expected;
-    const auto here = ground_here();
-    const auto turned =
-        here ? GroundWarp(*here, moving_from_fixed, rig_.left.camera) : std::nullopt;
-    if (turned) expected.later_from_earlier = turned->linear;
-    return expected;
-  }
-
   const Odometry& odometry_;
   const StereoRig& rig_;
   const MatchingOptions& options_;
+  PairRefiner refiner_;
   FrameWindow window_;
   Correspondences result_;
 };
@@ -193,7 +145,8 @@ std::vector<int> FirstOfSameStretch(const Odometry& odometry,
 }  // namespace
 
 Correspondences MatchFrames(const Odometry& odometry, const FeatureSource& features,
-                            const StereoRig& rig, const MatchingOptions& options) {
+                            const StereoRig& rig, const MatchingOptions& options,
+                            const FeatureSampler& sample) {
   std::vector<std::vector<Eigen::Vector3d>> sample_points(odometry.size());
   tbb::parallel_for(std::size_t{0}, odometry.size(), [&](std::size_t i) {
     if (!odometry[i].keyframe) return;
@@ -203,7 +156,7 @@ Correspondences MatchFrames(const Odometry& odometry, const FeatureSource& featu
   std::vector<CandidatePair> pairs = SelectPairs(odometry, sample_points, rig, options);
   AddFoundLoopClosures(FindLoopClosures({odometry, features, sample_points, rig}, options), pairs);
   const std::vector<int> same_stretch = FirstOfSameStretch(odometry, sample_points, rig, options);
-  FrameMatcher matcher(odometry, features, rig, options);
+  FrameMatcher matcher(odometry, features, rig, options, sample);
   matcher.Match(pairs, [&](const CandidatePair& pair) {
     return pair.loop_closure && pair.a < same_stretch[pair.b];
   });

@@ -33,6 +33,7 @@ struct MatchingOptions {
   VerificationOptions verification;
   double min_correlation = 0.8;
   double max_position_sigma_px = 0.15;
+  double carry_below_share = 0.1;
 
   OptionFields Fields();
   void RequireRelations() const;  // throws UsageError

@@ -54,10 +54,24 @@ void RestorePositions(const std::vector<Feature>& refined, const std::vector<cha
                       FeatureRefinement& frame) {
   frame.refined = refined;
   frame.aligned = aligned;
+  for (std::size_t i = frame.found.features.size(); i < refined.size(); ++i) {
+    frame.found.features.push_back(refined[i]);
+    frame.found.patches.emplace_back();
+    frame.references.emplace_back();
+  }
   for (std::size_t i = 0; i < refined.size(); ++i) {
     const Eigen::Vector2d& found = frame.found.features[i].left;
     frame.references[i].offset = refined[i].left - (found - OffsetInPatch(found));
   }
+}
+
+std::size_t TakeOver(const FeatureRefinement& from, int index, FeatureRefinement& to) {
+  to.found.features.push_back(from.found.features[index]);
+  to.found.patches.push_back(from.found.patches[index]);
+  to.refined.push_back(from.refined[index]);
+  to.references.push_back(from.references[index]);
+  to.aligned.push_back(from.aligned[index]);
+  return to.refined.size() - 1;
 }
 
 bool AlignWithReference(const FeatureRefinement& earlier, int a, FeatureRefinement& later, int b,

@@ -4,8 +4,8 @@
 #include <optional>
 #include <vector>
 
+#include "correspondence/ground_warp.h"
 #include "correspondence/patch_alignment.h"
-#include "matching/ground_warp.h"
 #include "matching/matching_options.h"
 #include "scene/features.h"
 
@@ -41,9 +41,14 @@ struct FeatureRefinement {
 FeatureRefinement StartRefinement(FrameFeatures features);
 
 // Puts features back to where they had been moved; each one's own patch, around its refined
-// position, becomes its reference patch.
+// position, becomes its reference patch. Features that had been carried here come back without a
+// patch: nothing is aligned with them any more.
 void RestorePositions(const std::vector<Feature>& refined, const std::vector<char>& aligned,
                       FeatureRefinement& frame);
+
+// Makes feature `index` of one refinement a feature of another of the same frame, without a
+// descriptor; its index there.
+std::size_t TakeOver(const FeatureRefinement& from, int index, FeatureRefinement& to);
 
 // Aligns feature b of `later` with the reference patch of feature a of `earlier` and moves it
 // there, its stereo match along with it; the reference patch is handed on, or made anew where the

@@ -36,8 +36,8 @@ struct LoopClosure {
 };
 
 // Verified correspondences of a part. features[f] are frame f's, in the order in which they were
-// extracted, their positions refined so that all views of a ground point mean the same spot of
-// ground.
+// extracted, then those that were sampled there; their positions refined so that all views of a
+// ground point mean the same spot of ground.
 struct Correspondences {
   std::vector<std::vector<Feature>> features;
   std::vector<FramePair> pairs;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fstream>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
@@ -99,6 +100,40 @@ TEST_F(ExtractFeaturesTest, PatchesAreCutAroundTheRoundedPixel) {
                 smooth.at<std::uint8_t>(y, x));
     }
   }
+}
+
+TEST_F(ExtractFeaturesTest, SampledFeaturesAreAsExtractedOnes) {
+  const FeatureSetup setup = MakeFeatureSetup(rig_, {}, {});
+  const FrameFeatures found = ExtractFeatures(frame_, setup);
+  std::vector<Eigen::Vector2d> pixels;
+  for (std::size_t i = 0; i < 200; ++i) pixels.push_back(found.features[i].left);
+  const auto sampled = SampleFeatures(frame_, pixels, setup);
+  ASSERT_EQ(sampled.size(), pixels.size());
+  int with_match = 0;
+  for (std::size_t i = 0; i < sampled.size(); ++i) {
+    ASSERT_TRUE(sampled[i]);
+    EXPECT_EQ(sampled[i]->feature.left, pixels[i]);
+    EXPECT_EQ(sampled[i]->patch, found.patches[i]);
+    if (!sampled[i]->feature.right || !found.features[i].right) continue;
+    EXPECT_EQ(*sampled[i]->feature.right, *found.features[i].right);
+    ++with_match;
+  }
+  EXPECT_GT(with_match, 120);
+}
+
+TEST_F(ExtractFeaturesTest, NothingIsSampledWhereNothingCanBeSeen) {
+  left_(cv::Rect(100, 100, 200, 200)).setTo(255);  // saturated
+  cv::imwrite(frame_.left_path, left_);
+  const FeatureSetup setup = MakeFeatureSetup(rig_, {}, {});
+  const auto sampled =
+      SampleFeatures(frame_, {{200.0, 200.0}, {500.0, 400.0}, {-3.0, 10.0}, {2000.0, 10.0}}, setup);
+  ASSERT_EQ(sampled.size(), 4u);
+  EXPECT_FALSE(sampled[0]);
+  EXPECT_TRUE(sampled[1]);
+  EXPECT_FALSE(sampled[2]);
+  EXPECT_FALSE(sampled[3]);
+  std::ofstream(frame_.right_path) << "no image";
+  EXPECT_TRUE(SampleFeatures(frame_, {{500.0, 400.0}}, setup).empty());
 }
 
 TEST_F(ExtractFeaturesTest, MasksOfTheRigAndOfTheImageAreHonoured) {

@@ -54,6 +54,24 @@ TEST_F(FrameWindowTest, KeepsPositionsOfFramesThatWereLetGo) {
   EXPECT_LT((again.references[4].offset - (moved - rounded)).norm(), 1e-12);
 }
 
+TEST_F(FrameWindowTest, KeepsFeaturesThatWereCarriedThere) {
+  FrameWindow window = Window(2);
+  const std::size_t extracted = window.At(0).refinement.refined.size();
+  FeatureRefinement carried = StartRefinement(rover_.frames[1]);
+  carried.aligned[7] = true;
+  EXPECT_EQ(TakeOver(carried, 7, window.At(0).refinement), extracted);
+  const Eigen::Vector2d pixel = carried.refined[7].left;
+  for (int frame : {1, 2, 3}) window.At(frame);
+  const MatchedFrame& again = window.At(0);
+  ASSERT_EQ(again.refinement.refined.size(), extracted + 1);
+  EXPECT_EQ(again.refinement.refined[extracted].left, pixel);
+  EXPECT_EQ(again.refinement.found.features.size(), extracted + 1);
+  EXPECT_EQ(again.refinement.found.descriptors.size(), extracted);
+  EXPECT_TRUE(again.refinement.aligned[extracted]);
+  EXPECT_EQ(again.points.size(), extracted + 1);
+  EXPECT_EQ(window.Finish(6)[0].size(), extracted + 1);
+}
+
 TEST_F(FrameWindowTest, FinishGivesAllFrames) {
   FrameWindow window = Window(2);
   window.At(1).refinement.refined[0].left.x() += 1.0;

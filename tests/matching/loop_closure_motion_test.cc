@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "matching/ground_warp.h"
+#include "correspondence/ground_warp.h"
 #include "tests/support/seeded_random.h"
 #include "tests/support/synthetic_rover.h"
 

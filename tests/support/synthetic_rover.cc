@@ -215,6 +215,29 @@ StereoRig LocCamRig() {
   return rig;
 }
 
+std::vector<std::optional<SampledFeature>> SampleFeatures(
+    const SyntheticRover& rover, int frame, const std::vector<Eigen::Vector2d>& pixels) {
+  constexpr double kReach_px = 12.0;
+  const PointTextures textures(rover.seed);
+  const Rigid3 left_from_world = rover.world_from_left[frame].Inverse();
+  std::vector<std::optional<SampledFeature>> sampled(pixels.size());
+  for (std::size_t i = 0; i < pixels.size(); ++i) {
+    double nearest_px = kReach_px;
+    for (const int point : rover.point_of_feature[frame]) {
+      const Eigen::Vector3d x = left_from_world * rover.points[point];
+      const Eigen::Vector2d pixel = *Project(rover.rig.left.camera, x);
+      if ((pixel - pixels[i]).norm() >= nearest_px) continue;
+      nearest_px = (pixel - pixels[i]).norm();
+      SampledFeature& at = sampled[i].emplace();
+      at.feature.left = pixels[i];
+      const auto right = Project(rover.rig.right.camera, rover.rig.right_from_left * x);
+      if (right) at.feature.right = *right + pixels[i] - pixel;
+      at.patch = textures.Show(point, pixels[i], pixel, x.z());
+    }
+  }
+  return sampled;
+}
+
 Rigid3 RoverPose(double x_m, double y_m, double heading_rad) {
   const Eigen::AngleAxisd yaw(heading_rad, Eigen::Vector3d::UnitZ());
   return {yaw * WorldFromTiltedCamera(), {x_m, y_m, 0.0}};
@@ -229,6 +252,7 @@ SyntheticRover MakeSyntheticRover(const SyntheticRoverOptions& options,
   std::mt19937 random(options.seed);
   SyntheticRover rover;
   rover.rig = LocCamRig();
+  rover.seed = options.seed;
   rover.world_from_left = world_from_left;
   rover.points = Scatter(options, CellsWithin(options.max_range_m, rover.world_from_left), random);
   Observer observer(options, rover, random);

@@ -8,6 +8,7 @@
 
 #include "scene/features.h"
 #include "scene/rig.h"
+#include "scene/sampled_features.h"
 
 namespace rigmap {
 
@@ -41,6 +42,7 @@ struct SyntheticRover {
   // outside the right image.
   std::vector<FrameFeatures> frames;
   std::vector<std::vector<int>> point_of_feature;  // [frame][feature] -> index into points
+  unsigned seed = 0;                               // of the textures
 };
 
 SyntheticRover MakeSyntheticRover(const SyntheticRoverOptions& options = {});
@@ -48,6 +50,11 @@ SyntheticRover MakeSyntheticRover(const SyntheticRoverOptions& options = {});
 // As above on any path: a pose per frame, in place of frames, step and curve of the options.
 SyntheticRover MakeSyntheticRover(const SyntheticRoverOptions& options,
                                   const std::vector<Rigid3>& world_from_left);
+
+// What a frame shows at these pixels: the texture of the point next to each, as its patches do if
+// they are asked for, and its stereo match, without noise. Nothing where no point is within 12 px.
+std::vector<std::optional<SampledFeature>> SampleFeatures(
+    const SyntheticRover& rover, int frame, const std::vector<Eigen::Vector2d>& pixels);
 
 // world_from_left of a rover at (x, y) metres that heads heading_rad to the left of x.
 Rigid3 RoverPose(double x_m, double y_m, double heading_rad);

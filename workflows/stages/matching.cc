@@ -4,14 +4,17 @@
 
 #include "core/statistics.h"
 #include "pipeline/code_identity.h"
+#include "workflows/stages/feature_sampler.h"
 
 namespace rigmap {
 namespace {
 
 Correspondences MakeMatches(const StageContext&, const Dataset& dataset,
                             const FeatureStore& features, const Odometry& odometry,
-                            const MatchingOptions& options) {
-  return MatchFrames(odometry, features.AsSource(), dataset.rig, options);
+                            const MatchingOptions& options, const FeatureOptions& of_features,
+                            const MaskOptions& masks) {
+  return MatchFrames(odometry, features.AsSource(), dataset.rig, options,
+                     SamplerOf(dataset, dataset.rig, features.rig_fixed(), of_features, masks));
 }
 
 Report ReportMatches(const Correspondences& found, const Dataset&, const FeatureStore&,

@@ -9,7 +9,9 @@
 #include "features/extract_features.h"
 #include "odometry/followed_corners.h"
 #include "odometry/lone_views.h"
+#include "odometry/searched_ground.h"
 #include "pipeline/code_identity.h"
+#include "workflows/stages/feature_sampler.h"
 #include "workflows/stages/joinable.h"
 
 namespace rigmap {
@@ -91,11 +93,6 @@ class Corners {
   }
 
  private:
-  // Parts are joined without their images, too.
-  static bool HasImages(const StereoFrame& frame) {
-    return std::filesystem::exists(frame.left_path) && std::filesystem::exists(frame.right_path);
-  }
-
   const Dataset& dataset_;
   const StereoRig& rig_;
   const RigFixedCells& rig_fixed_;
@@ -142,10 +139,13 @@ Odometry Bridged(const Dataset& dataset, const StereoRig& rig, const FeatureStor
   odometry = BridgeByCorners(std::move(odometry), follow, rig, options.odometry);
   LoneViews views(dataset, features, options);
   const auto between = [&](StampNs after, StampNs before) { return views.Between(after, before); };
-  return BridgeGaps(
-      dataset,
-      BridgeByLoneViews(std::move(odometry), features.AsSource(), between, rig, options.odometry),
-      options.rover, options.filter);
+  odometry =
+      BridgeByLoneViews(std::move(odometry), features.AsSource(), between, rig, options.odometry);
+  odometry = BridgeGaps(dataset, std::move(odometry), options.rover, options.filter);
+  return BridgeBySearch(
+      std::move(odometry), features.AsSource(),
+      SamplerOf(dataset, rig, features.rig_fixed(), options.features, options.masks), rig,
+      options.odometry);
 }
 
 OdometryStage VisualOdometry() {
@@ -164,7 +164,7 @@ BridgingStage Bridging() {
   return {.name = "bridging",
           .about =
               "the motion where keypoints lose their way: by corners that are followed, by lone "
-              "images, by wheels and gyro",
+              "images, by wheels and gyro, by ground searched where these put it",
           .code = CodeHere(),
           .make = MakeBridged};
 }

@@ -27,8 +27,8 @@ struct BridgingOptions {
   const FilterOptions& filter;
 };
 // By corners that are followed (followed_corners.h), by images of which the other eye's is missing
-// or cannot be read (lone_views.h), then by wheels and gyro (bridge_gaps.h). `rig`: what the
-// odometry was made with.
+// or cannot be read (lone_views.h), then by wheels and gyro (bridge_gaps.h), last by ground that is
+// searched where these put it (searched_ground.h). `rig`: what the odometry was made with.
 Odometry Bridged(const Dataset& dataset, const StereoRig& rig, const FeatureStore& features,
                  Odometry odometry, const BridgingOptions& options);
 

@@ -15,6 +15,7 @@
 #include "pose_graph/relax_poses.h"
 #include "trajectory/starting_poses.h"
 #include "trajectory/weak_links.h"
+#include "workflows/stages/feature_sampler.h"
 #include "workflows/stages/trajectory.h"
 
 namespace rigmap {
@@ -73,7 +74,11 @@ AdjustedPart PartAdjuster::WithItsRig(AdjustedPart part) const {
   const StereoRig& rig = part.adjustment.rig;
   Odometry steps = StepsWith(part);
   std::optional<Correspondences> anew;
-  if (matches_anew) anew = MatchFrames(steps, input_.features.AsSource(), rig, options_.matching);
+  if (matches_anew) {
+    anew = MatchFrames(steps, input_.features.AsSource(), rig, options_.matching,
+                       SamplerOf(input_.dataset, rig, input_.features.rig_fixed(),
+                                 options_.bridging.features, options_.bridging.masks));
+  }
   auto loop_closures =
       anew ? anew->loop_closures : LoopClosuresByRig(input_.matches, rig, options_.matching);
   AdjustedPart measured_anew = From({}, anew ? *anew : input_.matches,

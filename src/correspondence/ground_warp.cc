@@ -1,4 +1,4 @@
-#include "matching/ground_warp.h"
+#include "correspondence/ground_warp.h"
 
 #include <algorithm>
 #include <cmath>
