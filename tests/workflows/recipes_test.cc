@@ -27,8 +27,8 @@ using Names = std::set<std::string>;
 // Stages and checks that read an option, by section, and by option where they differ from the rest
 // of it: what docs/stages.md says.
 const std::map<std::string, Names> kReaders{
-    {"masks", {"features", "bridging", "odometric_adjustment", "adjustment", "dense"}},
-    {"features", {"features", "bridging", "odometric_adjustment", "adjustment"}},
+    {"masks", {"adjustment", "bridging", "dense", "features", "matching", "odometric_adjustment"}},
+    {"features", {"adjustment", "bridging", "features", "matching", "odometric_adjustment"}},
     {"odometry", {"odometry", "bridging", "odometric_adjustment", "adjustment"}},
     {"dead_reckoning", {"bridging", "odometric_adjustment", "adjustment", "sensor_gates"}},
     {"filter", {"bridging", "odometric_adjustment", "adjustment", "sensor_gates"}},
