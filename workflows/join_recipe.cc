@@ -70,7 +70,6 @@ StageGraph JoinRecipe(const Dataset& data, const DatasetContent& data_content,
                  dataset, features, parts);
   const auto matches =
       g.AddStage(Matching(), Reading(o.matching, o.features, o.masks), dataset, features, odometry);
-
   const auto graph = g.AddView(NoGraph, odometry);
   const auto aligned = g.AddView(NoMapping, odometry);
   const auto from_odometry =
