@@ -1,4 +1,4 @@
-// Where a patch's point lies in another patch, to a fraction of a pixel, without knowing it to few.
+// Where another patch shows the point of a patch, as long as that is known to some pixels.
 #pragma once
 
 #include <optional>

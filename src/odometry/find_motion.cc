@@ -87,6 +87,12 @@ std::optional<Found> FindMotion(const Reference& reference, const FrameFeatures&
   return found;
 }
 
+void FollowReference(const Odometry& before, int i, Odometry& odometry) {
+  const int reference = odometry[i].reference;
+  odometry[i].world_from_left =
+      odometry[reference].world_from_left * OdometricStep(before, reference, i);
+}
+
 void SetPose(const Found& found, int reference, const Rigid3& world_from_reference,
              const OdometryOptions& options, OdometryFrame& frame) {
   frame.reference = reference;

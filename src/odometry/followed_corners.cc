@@ -22,10 +22,8 @@ class CornerBridger {
   Odometry Bridge(const std::vector<int>& lost) {
     int bridged = 0;
     for (int i = 1; i < static_cast<int>(odometry_.size()); ++i) {
-      OdometryFrame& frame = odometry_[i];
-      if (frame.reference >= i) continue;
-      frame.world_from_left =
-          odometry_[frame.reference].world_from_left * OdometricStep(before_, frame.reference, i);
+      if (odometry_[i].reference >= i) continue;
+      FollowReference(before_, i, odometry_);
       if (std::ranges::binary_search(lost, i) && Pose(i)) ++bridged;
     }
     if (bridged > 0) {

@@ -54,15 +54,10 @@ class GroundSearcher {
   Odometry Bridge() {
     int bridged = 0;
     for (int i = 1; i < static_cast<int>(odometry_.size()); ++i) {
-      OdometryFrame& frame = odometry_[i];
-      if (frame.reference >= i) continue;
-      frame.world_from_left =
-          odometry_[frame.reference].world_from_left * OdometricStep(before_, frame.reference, i);
-      const bool is_asked = frame.bridged || frame.source == PoseSource::kPredicted;
-      if (!is_asked) continue;
-      if (PoseAgainst(i - 1, i) || (frame.reference < i - 1 && PoseAgainst(frame.reference, i))) {
-        ++bridged;
-      }
+      if (odometry_[i].reference >= i) continue;
+      FollowReference(before_, i, odometry_);
+      const bool is_asked = odometry_[i].bridged || IsGuessed(i);
+      if (is_asked && Pose(i)) ++bridged;
     }
     if (bridged > 0) {
       spdlog::info("{} frames are posed by ground that was searched", bridged);
@@ -72,6 +67,16 @@ class GroundSearcher {
   }
 
  private:
+  bool IsGuessed(int i) const { return odometry_[i].source == PoseSource::kPredicted; }
+
+  // What sensors know against its reference is not to hang on a guess instead.
+  bool Pose(int i) {
+    const int reference = odometry_[i].reference;
+    const bool may_hang_on_last = IsGuessed(i) || !IsGuessed(i - 1) || reference == i - 1;
+    if (may_hang_on_last && PoseAgainst(i - 1, i)) return true;
+    return reference < i - 1 && PoseAgainst(reference, i);
+  }
+
   bool PoseAgainst(int reference_frame, int i) {
     const Reference reference =
         MakeReference(reference_frame, features_(reference_frame), rig_, options_);

@@ -4,6 +4,7 @@
 
 #include <set>
 
+#include "tests/support/rover_correspondences.h"
 #include "tests/support/synthetic_rover.h"
 #include "trajectory/lost_frames.h"
 
@@ -16,13 +17,9 @@ constexpr int kFrames = 6, kLost = 3;
 class FollowedCornersTest : public testing::Test {
  protected:
   void SetUp() override {
-    for (int i = 0; i < kFrames; ++i) {
-      odometry_.push_back({.stamp_ns = rover_.frames[i].stamp_ns,
-                           .world_from_left = TruePose(i),
-                           .reference = std::max(0, i - 1),
-                           .source = PoseSource::kOdometry,
-                           .keyframe = true});
-    }
+    std::vector<Rigid3> poses;
+    for (int i = 0; i < kFrames; ++i) poses.push_back(TruePose(i));
+    odometry_ = OdometryOfKeyframes(rover_, poses);
     Lose(kLost);
   }
 

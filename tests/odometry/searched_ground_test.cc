@@ -4,6 +4,7 @@
 
 #include <set>
 
+#include "tests/support/rover_correspondences.h"
 #include "tests/support/synthetic_rover.h"
 
 namespace rigmap {
@@ -15,13 +16,9 @@ class SearchedGroundTest : public testing::Test {
   static constexpr int kFrames = 6, kBridged = 3;
 
   void SetUp() override {
-    for (int i = 0; i < kFrames; ++i) {
-      odometry_.push_back({.stamp_ns = rover_.frames[i].stamp_ns,
-                           .world_from_left = TruePose(i),
-                           .reference = std::max(0, i - 1),
-                           .source = PoseSource::kOdometry,
-                           .keyframe = true});
-    }
+    std::vector<Rigid3> poses;
+    for (int i = 0; i < kFrames; ++i) poses.push_back(TruePose(i));
+    odometry_ = OdometryOfKeyframes(rover_, poses);
     odometry_[kBridged].bridged = true;
     odometry_[kBridged].step_covariance = 0.03 * 0.03 * Matrix6d::Identity();
     Move({ExpRotation({0.0, 0.002, 0.001}), {0.01, 0.0, 0.015}});
@@ -45,7 +42,8 @@ class SearchedGroundTest : public testing::Test {
         odometry_, [this](int frame) { return rover_.frames[frame]; },
         [this](int frame, const std::vector<Eigen::Vector2d>& pixels) {
           asked_.insert(frame);
-          if (without_images_) return std::vector<std::optional<SampledFeature>>{};
+          if (without_images_ || frame == without_)
+            return std::vector<std::optional<SampledFeature>>{};
           return SampleFeatures(rover_, frame, pixels);
         },
         rover_.rig, {});
@@ -62,6 +60,7 @@ class SearchedGroundTest : public testing::Test {
                                                     .textured_patches = true});
   Odometry odometry_;
   bool without_images_ = false;
+  int without_ = -1;  // a frame without images
   std::set<int> asked_;
 };
 
@@ -96,6 +95,21 @@ TEST_F(SearchedGroundTest, PosesAFrameThatWasGuessed) {
   const Odometry found = Bridged();
   EXPECT_EQ(found[kBridged].source, PoseSource::kOdometry);
   EXPECT_LT(OffM(found, *this, kFrames - 1), 0.005);
+}
+
+// Sensors know frame 4 against frame 2; frame 3 between them is a guess, and cannot be searched.
+TEST_F(SearchedGroundTest, HangsNothingThatSensorsKnowOnAGuess) {
+  odometry_[kBridged].bridged = false;
+  odometry_[kBridged].source = PoseSource::kPredicted;
+  odometry_[kBridged + 1].bridged = true;
+  odometry_[kBridged + 1].reference = kBridged - 1;
+  odometry_[kBridged + 1].step_covariance = 0.03 * 0.03 * Matrix6d::Identity();
+  without_ = kBridged;
+  const Odometry found = Bridged();
+  EXPECT_EQ(found[kBridged].source, PoseSource::kPredicted);
+  EXPECT_FALSE(found[kBridged + 1].bridged);
+  EXPECT_EQ(found[kBridged + 1].reference, kBridged - 1);
+  EXPECT_LT(OffM(found, *this, kFrames - 1), 0.008);
 }
 
 TEST_F(SearchedGroundTest, LeavesWhatSensorsKnowBetter) {

@@ -40,6 +40,9 @@ std::optional<Found> FindMotion(const Reference& reference, const FrameFeatures&
                                 const StereoRig& rig, const Rigid3& predicted,
                                 const OdometryOptions& options, MatchBy match_by);
 
+// Moves frame i as its reference was moved since `before`.
+void FollowReference(const Odometry& before, int i, Odometry& odometry);
+
 // Fills the frame's pose and what is known of it, from its motion against a reference.
 void SetPose(const Found& found, int reference, const Rigid3& world_from_reference,
              const OdometryOptions& options, OdometryFrame& frame);
