@@ -1,9 +1,6 @@
 #include "correspondence/sightings.h"
 
-#include <algorithm>
 #include <utility>
-
-#include "core/statistics.h"
 
 namespace rigmap {
 
@@ -40,21 +37,6 @@ MatchedSightings SightingsOf(std::span<const FeatureMatch> matches,
     found.matches.push_back(match);
   }
   return found;
-}
-
-double MetresSigma(const std::vector<std::optional<StereoPoint>>& points_of_a,
-                   std::span<const FeatureMatch> matches) {
-  // Near are so many points whose depth the disparity tells to such a share.
-  constexpr int kLeastNear = 6;
-  constexpr double kNear = 0.1;
-  std::vector<double> shares;
-  for (const FeatureMatch& match : matches) {
-    if (const auto& point = points_of_a[match.a]) {
-      shares.push_back(point->depth_sigma_m / point->x_in_left.norm());
-    }
-  }
-  const auto near = std::ranges::count_if(shares, [](double share) { return share <= kNear; });
-  return near >= kLeastNear || shares.empty() ? 0.0 : Median(std::move(shares));
 }
 
 }  // namespace rigmap

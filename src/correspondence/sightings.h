@@ -30,11 +30,4 @@ MatchedSightings SightingsOf(std::span<const FeatureMatch> matches,
                              const std::vector<std::optional<StereoPoint>>& points_of_a,
                              const std::vector<Feature>& features_of_b, const StereoRig& rig);
 
-// Of the length of a motion that these matches tell, as a share of it and beyond its covariance. A
-// disparity that is off by its noise in all points alike, by the calibration, falsifies a motion by
-// as much as their depths; of points that are far this is more than all else. Zero where some
-// points are near.
-double MetresSigma(const std::vector<std::optional<StereoPoint>>& points_of_a,
-                   std::span<const FeatureMatch> matches);
-
 }  // namespace rigmap

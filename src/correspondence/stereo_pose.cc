@@ -6,6 +6,7 @@
 #include <cmath>
 #include <random>
 
+#include "core/statistics.h"
 #include "correspondence/internal/three_point_poses.h"
 
 namespace rigmap {
@@ -27,6 +28,15 @@ Eigen::Matrix<double, 2, 3> ProjectionJacobian(const Eigen::Vector3d& x) {
   j << 1.0 / x.z(), 0.0, -x.x() / (x.z() * x.z()), 0.0, 1.0 / x.z(), -x.y() / (x.z() * x.z());
   return j;
 }
+
+// What the disparity leaves unknown of a point's depth, as a share of it.
+double DepthShare(const PointSighting& sighting) {
+  return sighting.depth_sigma_m / sighting.x_in_reference.norm();
+}
+
+// Within three sigmas of no disparity a point may be anywhere; those found by chance to have one
+// lie nearer than they are, and all of them together would hold the rig where it was.
+constexpr double kKnownShare = 1.0 / 3.0;
 
 class PoseProblem {
  public:
@@ -51,6 +61,7 @@ class PoseProblem {
         motion.rotation.toRotationMatrix().leftCols<2>();
     Eigen::Matrix<double, 3, 6> motion_jacobian;
     motion_jacobian << Eigen::Matrix3d::Identity(), -Skew(in_left);
+    if (DepthShare(sighting) > kKnownShare) motion_jacobian.leftCols<3>().setZero();
     Linearised result;
     const Eigen::Matrix<double, 2, 3> left = ProjectionJacobian(in_left);
     result.residual.head<2>() = in_left.hnormalized() - sighting.left;
@@ -248,40 +259,110 @@ std::array<int, 3> DrawSample(std::mt19937& random, int count) {
   return sample;
 }
 
+std::vector<PointSighting> OfKnownDepth(std::span<const PointSighting> sightings) {
+  std::vector<PointSighting> known;
+  std::ranges::copy_if(sightings, std::back_inserter(known), [](const PointSighting& sighting) {
+    return DepthShare(sighting) <= kKnownShare;
+  });
+  return known;
+}
+
+// The best of many motions by the sightings of a problem, each refined on them.
+class BestMotion {
+ public:
+  explicit BestMotion(const PoseProblem& problem) : problem_(problem) {}
+
+  void Offer(Rigid3 motion) {
+    if (problem_.Refine(motion)) OfferAsItIs(motion);
+  }
+
+  void OfferAsItIs(const Rigid3& motion) {
+    const double cost = problem_.Cost(motion, cost_);
+    if (!(cost < cost_)) return;
+    cost_ = cost;
+    motion_ = motion;
+  }
+
+  const std::optional<Rigid3>& motion() const { return motion_; }
+  double cost() const { return cost_; }
+
+ private:
+  const PoseProblem& problem_;
+  std::optional<Rigid3> motion_;
+  double cost_ = std::numeric_limits<double>::infinity();
+};
+
+// Offers both the motions that three of the sightings tell, which are those of the first.
+void OfferSamples(std::span<const PointSighting> sightings, double max_squared, int max_samples,
+                  BestMotion& best_of_them, BestMotion& best) {
+  const int count = static_cast<int>(sightings.size());
+  // Enough samples to meet three inliers once with 99.9 %, given the share that the best explains.
+  std::mt19937 random(static_cast<unsigned>(count));
+  for (int sample = 0; sample < max_samples; ++sample) {
+    const double inlier_share = 1.0 - std::min(1.0, best_of_them.cost() / (count * max_squared));
+    const double miss = 1.0 - std::pow(inlier_share, 3);
+    if (miss < 1.0 && sample * std::log(std::max(miss, 1e-9)) < std::log(1e-3)) break;
+    for (const Rigid3& motion : ThreePointPoses(sightings, DrawSample(random, count))) {
+      best_of_them.OfferAsItIs(motion);
+      best.OfferAsItIs(motion);
+    }
+  }
+}
+
+// What of a motion the depths tell of the points that agree on it.
+class AgreeingDepths {
+ public:
+  AgreeingDepths(std::span<const PointSighting> sightings, const std::vector<bool>& inliers) {
+    for (std::size_t i = 0; i < sightings.size(); ++i) {
+      if (inliers[i]) shares_.push_back(DepthShare(sightings[i]));
+    }
+  }
+
+  bool TellMoreThanTurns() const {
+    return AreSomeNear() || 2 * CountWithin(kKnownShare) >= std::ssize(shares_);
+  }
+
+  double MetresSigma() const { return AreSomeNear() || shares_.empty() ? 0.0 : Median(shares_); }
+
+ private:
+  bool AreSomeNear() const {
+    constexpr int kLeastNear = 6;
+    constexpr double kNearShare = 0.1;
+    return CountWithin(kNearShare) >= kLeastNear;
+  }
+
+  std::ptrdiff_t CountWithin(double share) const {
+    return std::ranges::count_if(shares_, [&](double own) { return own <= share; });
+  }
+
+  std::vector<double> shares_;
+};
+
 }  // namespace
 
 std::optional<StereoPose> EstimateStereoPose(std::span<const PointSighting> sightings,
                                              const StereoRig& rig, std::span<const Rigid3> guesses,
                                              const StereoPoseOptions& options) {
-  const int count = static_cast<int>(sightings.size());
-  if (count < std::max(options.min_inliers, 4)) return std::nullopt;
-  const PoseProblem problem(sightings, rig, options);
-  Rigid3 best;
-  double best_cost = std::numeric_limits<double>::infinity();
-  const auto offer = [&](Rigid3 motion, bool refine) {
-    if (refine && !problem.Refine(motion)) return;
-    const double cost = problem.Cost(motion, best_cost);
-    if (cost < best_cost) {
-      best_cost = cost;
-      best = motion;
-    }
-  };
-  for (const Rigid3& guess : guesses) offer(guess, true);
-  // Enough samples to meet three inliers once with 99.9 %, given the share that the best explains.
-  std::mt19937 random(static_cast<unsigned>(count));
-  for (int sample = 0; sample < options.max_samples; ++sample) {
-    const double inlier_share = 1.0 - std::min(1.0, best_cost / (count * problem.MaxSquared()));
-    const double miss = 1.0 - std::pow(inlier_share, 3);
-    if (miss < 1.0 && sample * std::log(std::max(miss, 1e-9)) < std::log(1e-3)) break;
-    for (const Rigid3& motion : ThreePointPoses(sightings, DrawSample(random, count))) {
-      offer(motion, false);
-    }
+  const std::vector<PointSighting> known = OfKnownDepth(sightings);
+  if (std::ssize(sightings) < options.min_inliers || known.size() < 4) return std::nullopt;
+  const PoseProblem problem(sightings, rig, options), of_known(known, rig, options);
+  BestMotion best(problem), best_of_known(of_known);
+  for (const Rigid3& guess : guesses) {
+    best.Offer(guess);
+    best_of_known.Offer(guess);
   }
-  if (!std::isfinite(best_cost)) return std::nullopt;
-  const auto normal = problem.Refine(best);
+  OfferSamples(known, problem.MaxSquared(), options.max_samples, best_of_known, best);
+  // Three near points tell a turn so roughly that all far ones may contradict it.
+  if (best_of_known.motion()) best.Offer(*best_of_known.motion());
+  if (!best.motion()) return std::nullopt;
+  Rigid3 motion = *best.motion();
+  const auto normal = problem.Refine(motion);
   if (!normal) return std::nullopt;
-  StereoPose result = problem.Judge(best, *normal);
+  StereoPose result = problem.Judge(motion, *normal);
   if (result.inlier_count < options.min_inliers) return std::nullopt;
+  const AgreeingDepths depths(sightings, result.inliers);
+  if (!depths.TellMoreThanTurns()) return std::nullopt;
+  result.metres_sigma = depths.MetresSigma();
   return result;
 }
 

@@ -35,12 +35,18 @@ struct StereoPose {
   Matrix6d covariance = Matrix6d::Zero();  // of a left perturbation (translation m, rotation rad)
   std::vector<bool> inliers;               // counted on this very pose, one per sighting
   int inlier_count = 0;
+  // Of the motion's length, as a share of it and beyond the covariance. A disparity that is off by
+  // its noise in all points alike, by the calibration, falsifies a motion by as much as their
+  // depths; of points that are far this is more than all else. Zero where some points are near.
+  double metres_sigma = 0.0;
   OffsetEffect offset;
 };
 
 // RANSAC over three-point poses and the given guesses, then a robust least-squares refinement in
 // which every sighting is weighted by pixel noise and by the depth sigma of its point. The random
-// search is seeded by the data: equal input gives equal output. Nothing if too few points agree.
+// search is seeded by the data: equal input gives equal output. Points whose depth is not known to
+// a third tell a turn alone. Nothing if too few points agree, or if most of these are so far and
+// hardly any near: hills look the same from wherever they are seen.
 std::optional<StereoPose> EstimateStereoPose(std::span<const PointSighting> sightings,
                                              const StereoRig& rig, std::span<const Rigid3> guesses,
                                              const StereoPoseOptions& options);

@@ -58,7 +58,7 @@ OptionFields MatchingOptions::Fields() {
       {"max_position_sigma_px", &max_position_sigma_px, "px", MoreThan(0.0),
        "A match whose refined position is less certain than this is dropped."},
       {"carry_below_share", &carry_below_share, "share", AtLeast(0.0).UpTo(1.0),
-       "Where fewer of the points in view are found again (or fewer than three times min_inliers), "
+       "Where fewer of the points in view are found again (or fewer than six times min_inliers), "
        "the others are looked for where the motion shows them, as their ground will look there (0: "
        "never). Keyframes next to each other share a third to a half; over flat sand, half a metre "
        "on, a twentieth. From a fifth on nothing is gained."},

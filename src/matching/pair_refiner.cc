@@ -100,9 +100,9 @@ ExpectedView PairRefiner::Expected(const Sides& sides, int feature, bool turned)
 }
 
 bool PairRefiner::IsFew(std::size_t matches, const Sides& sides) const {
-  // A motion is sure with three times as many as it needs.
-  constexpr std::size_t kSureTimes = 3;
-  if (matches < kSureTimes * static_cast<std::size_t>(options_.verification.min_inliers)) {
+  // Of what a motion needs: real drives have as many nearly everywhere, flat sand gains by more.
+  constexpr std::size_t kEnoughTimes = 6;
+  if (matches < kEnoughTimes * static_cast<std::size_t>(options_.verification.min_inliers)) {
     return true;
   }
   const auto predicted = PredictedPixels(sides.fixed.points, sides.moving_from_fixed, rig_);

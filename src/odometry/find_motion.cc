@@ -39,7 +39,7 @@ std::optional<Found> Solve(const Reference& reference, const FrameFeatures& curr
                pose->inlier_count,
                static_cast<int>(seen.sightings.size()),
                MedianShift(reference, current, agreeing),
-               MetresSigma(reference.points, agreeing),
+               pose->metres_sigma,
                pose->offset};
 }
 
@@ -50,7 +50,9 @@ Vector6d MotionOf(const Found& found) {
   return motion;
 }
 
+// Of what lies far a motion shows little: only near points that stay where they are tell of none.
 bool StandsStill(const Found& found, const OdometryOptions& options) {
+  if (found.metres_sigma > 0.0) return false;
   const Vector6d motion = MotionOf(found);
   const double squared_sigmas = motion.dot(found.covariance.ldlt().solve(motion)) / 6.0;
   return squared_sigmas < options.stand_still_sigmas * options.stand_still_sigmas;

@@ -106,8 +106,7 @@ class Bridger {
     Motion motion{pose->current_from_reference,
                   options_.shared_noise * options_.shared_noise * pose->covariance,
                   pose->inlier_count};
-    const Eigen::Vector3d unsure = MetresSigma(frame.points, sightings.Agreeing(*pose)) *
-                                   pose->current_from_reference.translation;
+    const Eigen::Vector3d unsure = pose->metres_sigma * pose->current_from_reference.translation;
     motion.covariance.topLeftCorner<3, 3>() += unsure * unsure.transpose();
     return motion;
   }

@@ -167,7 +167,7 @@ class GroundSearcher {
                  .covariance = pose->covariance,
                  .inliers = pose->inlier_count,
                  .matches = static_cast<int>(sightings.sightings.size()),
-                 .metres_sigma = MetresSigma(reference.points, sightings.Agreeing(*pose)),
+                 .metres_sigma = pose->metres_sigma,
                  .offset = pose->offset};
   }
 

@@ -151,6 +151,75 @@ TEST(EstimateStereoPose, FarPointsDoNotSpoilIt) {
   EXPECT_LT(both_square_m2, near_square_m2);
 }
 
+// On the horizon: disparities of 0.05 to 0.4 px, of which those that are found are positive.
+std::vector<PointSighting> SightHills(const Rigid3& motion, const StereoRig& rig, int count,
+                                      SeededRandom& random) {
+  auto sightings = SightAll(motion, rig,
+                            {.count = count,
+                             .noise_px = 0.3,
+                             .disparity_noise_px = 0.15,
+                             .nearest_m = 250.0,
+                             .furthest_m = 2000.0},
+                            random);
+  std::erase_if(sightings, [](const auto& s) { return s.x_in_reference.z() > 1e4; });
+  return sightings;
+}
+
+TEST(EstimateStereoPose, HillsAloneTellNoWay) {
+  SeededRandom random;
+  const StereoRig rig = LocCamRig();
+  for (int trial = 0; trial < 20; ++trial) {
+    const Rigid3 truth = RoverStep(random);
+    const auto sightings = SightHills(truth, rig, 300, random);
+    EXPECT_FALSE(EstimateStereoPose(sightings, rig, std::array{truth, Rigid3()}, kOptions));
+  }
+}
+
+TEST(EstimateStereoPose, HillsTellTurnsAndDoNotHoldTheRigWhereItWas) {
+  SeededRandom random;
+  const StereoRig rig = LocCamRig();
+  constexpr int kTrials = 60;
+  double squares = 0.0, turn_square_rad2 = 0.0, alone_square_rad2 = 0.0;
+  for (int trial = 0; trial < kTrials; ++trial) {
+    const Rigid3 truth = RoverStep(random);
+    auto sightings =
+        SightAll(truth, rig, {.count = 16, .noise_px = 0.3, .disparity_noise_px = 0.15}, random);
+    const auto alone = EstimateStereoPose(sightings, rig, std::array{truth}, {.min_inliers = 10});
+    const auto hills = SightHills(truth, rig, 300, random);
+    sightings.insert(sightings.end(), hills.begin(), hills.end());
+    const auto both = EstimateStereoPose(sightings, rig, std::array{Rigid3()}, kOptions);
+    ASSERT_TRUE(alone && both) << trial;
+    const Vector6d error = Error(both->current_from_reference, truth);
+    const Eigen::Vector3d way = error.head<3>();
+    const Eigen::Matrix3d known = both->covariance.topLeftCorner<3, 3>();
+    squares += way.dot(known.ldlt().solve(way)) / kTrials;
+    turn_square_rad2 += error.tail<3>().squaredNorm();
+    alone_square_rad2 += Error(alone->current_from_reference, truth).tail<3>().squaredNorm();
+  }
+  EXPECT_NEAR(squares, 3.0, 0.4 * 3.0);
+  EXPECT_LT(turn_square_rad2, 0.1 * alone_square_rad2);
+}
+
+TEST(EstimateStereoPose, MetresOfFarPointsAreUnsure) {
+  SeededRandom random;
+  const StereoRig rig = LocCamRig();
+  const Rigid3 truth = RoverStep(random);
+  // Disparities of 0.8 to 1.3 px, known to 0.15.
+  const Setting far{
+      .noise_px = 0.3, .disparity_noise_px = 0.15, .nearest_m = 80.0, .furthest_m = 120.0};
+  auto sightings = SightAll(truth, rig, far, random);
+  const auto unsure = EstimateStereoPose(sightings, rig, std::array{truth}, kOptions);
+  ASSERT_TRUE(unsure);
+  EXPECT_GT(unsure->metres_sigma, 0.1);
+  EXPECT_LT(unsure->metres_sigma, 0.25);
+  const auto near =
+      SightAll(truth, rig, {.count = 12, .noise_px = 0.3, .disparity_noise_px = 0.15}, random);
+  sightings.insert(sightings.end(), near.begin(), near.end());
+  const auto sure = EstimateStereoPose(sightings, rig, std::array{truth}, kOptions);
+  ASSERT_TRUE(sure);
+  EXPECT_EQ(sure->metres_sigma, 0.0);
+}
+
 double MeanSquaredNormalisedError(const Setting& setting, SeededRandom& random) {
   const StereoRig rig = LocCamRig();
   constexpr int kTrials = 200;

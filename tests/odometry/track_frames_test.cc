@@ -330,7 +330,7 @@ TEST(TrackFrames, AWayAlongFarPointsIsKnownAsTheirDepthsAre) {
            way.squaredNorm();
   };
   EXPECT_LT(share_of_way(0.15), 0.03);
-  EXPECT_GT(share_of_way(20.0), 0.1);
+  EXPECT_GT(share_of_way(6.0), 0.1);
 }
 
 }  // namespace
