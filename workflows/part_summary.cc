@@ -127,7 +127,7 @@ FrameNames NamesOfFrames(int first_frame, const Report& parts) {
   return names;
 }
 
-std::string ReasonOf(const Refusal& refusal) {
+std::string ReasonFor(const Refusal& refusal) {
   std::vector<std::string> sentences;
   for (const Cause& cause : refusal.causes) sentences.push_back(SentenceOf(cause));
   return fmt::format("{}", fmt::join(sentences, "; "));
@@ -166,7 +166,7 @@ PartResult Judge(const Ledger& ledger, int first_frame) {
       RefusalOf(judged.gates, judged.findings, NamesOfFrames(first_frame, merged["parts"]));
   std::string text = VerdictText(refusal, merged["verdict"]);
   if (refusal.causes.empty()) return {PartStatus::kOk, "", std::move(text), {}};
-  std::string reason = ReasonOf(refusal);
+  std::string reason = ReasonFor(refusal);
   return {PartStatus::kUntrusted, std::move(reason), std::move(text), std::move(refusal)};
 }
 

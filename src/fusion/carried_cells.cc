@@ -13,8 +13,8 @@
 namespace rigmap {
 namespace {
 
-constexpr std::size_t kAsked = 40;  // frames, evenly over the part
-constexpr int kFewest = 6;          // that could be asked
+constexpr std::size_t kFramesAsked = 40;  // frames, evenly over the part
+constexpr int kFewestAsked = 6;           // that could be asked
 // Of the frames asked. Who drives ahead for a while is at some cells, too.
 constexpr int kMinVotes = 3;
 constexpr double kMinShare = 0.1;
@@ -72,7 +72,7 @@ struct Votes {
 
 cv::Mat CarriedByTheRig(std::span<const Rigid3> world_from_left, const FusionOptions& options,
                         ViewCache& views) {
-  const std::size_t count = world_from_left.size(), asked = std::min(kAsked, count);
+  const std::size_t count = world_from_left.size(), asked = std::min(kFramesAsked, count);
   Votes votes;
   cv::Size size;
   for (std::size_t i = 0; i < asked; ++i) {
@@ -85,7 +85,7 @@ cv::Mat CarriedByTheRig(std::span<const Rigid3> world_from_left, const FusionOpt
     size = pair[0]->map.disparity.size();
     votes.Add(OpinionsOn(*pair[0], *pair[1], options));
   }
-  if (votes.asked < kFewest) return {};
+  if (votes.asked < kFewestAsked) return {};
   const int least = std::max(kMinVotes, static_cast<int>(std::ceil(kMinShare * votes.asked)));
   cv::Mat carried = (votes.through >= least) & (votes.through >= kForOverAgainst * votes.agreeing);
   if (cv::countNonZero(carried) == 0) return {};

@@ -105,9 +105,9 @@ CloudLimits LimitsFor(const StereoRig& rig, double near_m, const CloudOptions& o
 
 FrameCloud CloudOf(const DepthMap& map, const CloudLimits& limits) {
   PclCloud::Ptr cloud = OnGrid(KnownPoints(map, limits), limits.grid_m);
-  if (cloud->size() < kLeastPoints) return {};
+  if (cloud->size() < kLeastCloudPoints) return {};
   if (limits.denoise_neighbours > 0) cloud = WithoutOutliers(cloud, limits);
-  if (cloud->size() < kLeastPoints) return {};
+  if (cloud->size() < kLeastCloudPoints) return {};
   SetNormals(cloud);
   return FromPcl(*cloud);
 }

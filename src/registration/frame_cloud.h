@@ -37,9 +37,9 @@ CloudLimits LimitsFor(const StereoRig& rig, double near_m, const CloudOptions& o
 // Known pixels within the limits, merged on a box grid (pcl::VoxelGrid), then without statistical
 // outliers (pcl::StatisticalOutlierRemoval), with normals of the planes through kNormalNeighbours
 // points (pcl::NormalEstimation). Left out: pixels of unsure disparity, and where two surfaces may
-// have been mixed. Empty where fewer than kLeastPoints are left.
+// have been mixed. Empty where fewer than kLeastCloudPoints are left.
 inline constexpr int kNormalNeighbours = 12;
-inline constexpr std::size_t kLeastPoints = 50;
+inline constexpr std::size_t kLeastCloudPoints = 50;
 FrameCloud CloudOf(const DepthMap& map, const CloudLimits& limits);
 
 }  // namespace rigmap

@@ -133,7 +133,8 @@ std::optional<double> DepthChange(const SparseModel& model, double metres_per_mo
       changes[frame].push_back(by_model_m / *by_rig_m - 1.0);
     }
   }
-  std::erase_if(changes, [](const auto& frame) { return frame.second.size() < kLeastPoints; });
+  std::erase_if(changes,
+                [](const auto& frame) { return frame.second.size() < kLeastSharedPoints; });
   if (changes.empty()) return std::nullopt;
   double squares = 0.0;
   for (auto& [frame, of_points] : changes) {

@@ -28,9 +28,9 @@ double FocalLengthChange(const SparseModel& model, const StereoRig& rig);
 // By what share depths that the left camera of a model sees, in metres by `metres_per_model_unit`,
 // differ from those that the rig file makes of the same two pixels: of the median of each frame the
 // root mean square over frames. Free cameras turn against each other from frame to frame, by which
-// the same left-right distance means other metres. Nothing where no frame has kLeastPoints such
-// points.
-inline constexpr std::size_t kLeastPoints = 10;
+// the same left-right distance means other metres. Nothing where no frame has kLeastSharedPoints
+// such points.
+inline constexpr std::size_t kLeastSharedPoints = 10;
 std::optional<double> DepthChange(const SparseModel& model, double metres_per_model_unit,
                                   const StereoRig& rig);
 

@@ -8,7 +8,7 @@
 namespace rigmap {
 namespace {
 
-constexpr double kNoHuber_px = 1e9;
+constexpr double kNoLimit_px = 1e9;
 
 // The rover with noise of 0.3 px.
 class BundleSolverTest : public testing::Test {
@@ -56,7 +56,7 @@ class BundleSolverTest : public testing::Test {
 
 TEST_F(BundleSolverTest, EndsWhereTheLossIsFlat) {
   DisturbSome();
-  for (const double huber_px : {kNoHuber_px, 0.6}) {
+  for (const double huber_px : {kNoLimit_px, 0.6}) {
     const double before = Gradient(4, huber_px).norm();
     const auto summary = BundleSolver(bundle_, huber_px).Solve(1e-14);
     EXPECT_LT(summary.final_cost, summary.initial_cost);
@@ -67,7 +67,7 @@ TEST_F(BundleSolverTest, EndsWhereTheLossIsFlat) {
 TEST_F(BundleSolverTest, CostIsHalfTheSumOfTheLoss) {
   double squares = 0.0;
   for (const double error : ErrorsPx(bundle_)) squares += error * error;
-  EXPECT_NEAR(BundleSolver(bundle_, kNoHuber_px).Solve(1e-4).initial_cost, 0.5 * squares,
+  EXPECT_NEAR(BundleSolver(bundle_, kNoLimit_px).Solve(1e-4).initial_cost, 0.5 * squares,
               1e-9 * squares);
 }
 
@@ -101,7 +101,7 @@ TEST_F(BundleSolverTest, LeavesABundleWithAPointBehindAnEye) {
 TEST_F(BundleSolverTest, MovesPointsAloneWhereEveryPoseIsHeld) {
   bundle_.points.resize(5);
   const Bundle before = bundle_;
-  const auto summary = BundleSolver(bundle_, kNoHuber_px).Solve(1e-10);
+  const auto summary = BundleSolver(bundle_, kNoLimit_px).Solve(1e-10);
   EXPECT_LE(summary.final_cost, summary.initial_cost);
   EXPECT_NE(bundle_.points[0].x, before.points[0].x);
   for (std::size_t i = 0; i < before.left_from_world.size(); ++i) {
