@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cmath>
 #include <ranges>
 #include <utility>
 
@@ -47,12 +48,13 @@ std::string DescribeContradicted(const std::vector<LoopClosure>& loop_closures) 
       fmt::join(pairs, ", "), others > 0 ? fmt::format(" and {} others", others) : "");
 }
 
-std::size_t GroupCount(const Adjustment& adjustment) {
-  std::size_t count = 0;
-  for (std::size_t i = 0; i < adjustment.datum_frames.size(); ++i) {
-    count += adjustment.world_from_left[i] && adjustment.datum_frames[i] == static_cast<int>(i);
+// The sigma of the position that is known worst.
+double WorstPosition_m(const Trajectory& trajectory) {
+  double worst_m2 = 0.0;
+  for (const TimedPose& pose : trajectory) {
+    if (pose.IsMeasured()) worst_m2 = std::max(worst_m2, pose.position_covariance.trace());
   }
-  return count;
+  return std::sqrt(worst_m2);
 }
 
 }  // namespace
@@ -107,23 +109,30 @@ AdjustedPart PartAdjuster::From(const Poses& mapped, const Correspondences& corr
     sides.adjustment = AdjustBundle(from, options_.adjustment);
     return sides;
   };
-  Sides best = adjusted(
+  const auto laid = [&](Sides sides) {
+    CarryGroupsAlong(sides.starting, sides.adjustment);
+    // The odometry that carries them drifts; loop closures tie groups as well.
+    CarryGroupsAlong(RelaxGroups(sides.adjustment.world_from_left, sides.adjustment.datum_frames,
+                                 motions.steps, motions.loop_closures),
+                     sides.adjustment);
+    return LayInWorld(input_.dataset, motions.steps, std::move(sides.adjustment));
+  };
+  Sides tied = adjusted(
       RelaxPoses(StartingPoses(motions.steps, mapped), motions.steps, motions.loop_closures), {});
-  const std::vector<int> weak = WeakLinks(motions.steps, best.adjustment);
-  if (!weak.empty()) {
-    const auto within = ClosuresWithin(weak, motions.loop_closures);
-    Sides cut = adjusted(RelaxPoses(StartingPoses(motions.steps, {}), motions.steps, within), weak);
-    // What else falls apart was tied across: the little that ties is then more than nothing.
-    const bool falls_apart = GroupCount(cut.adjustment) > GroupCount(best.adjustment) + weak.size();
-    if (!falls_apart) best = std::move(cut);
+  std::vector<int> apart = WeakLinks(motions.steps, tied.adjustment);
+  AdjustedPart part = laid(std::move(tied));
+  if (!apart.empty()) {
+    const auto within = ClosuresWithin(apart, motions.loop_closures);
+    AdjustedPart cut =
+        laid(adjusted(RelaxPoses(StartingPoses(motions.steps, {}), motions.steps, within), apart));
+    // What was tied across the cuts falls apart as well: the little that ties may be more than
+    // none.
+    if (WorstPosition_m(cut.trajectory) < WorstPosition_m(part.trajectory)) {
+      part = std::move(cut);
+    } else {
+      apart.clear();
+    }
   }
-  CarryGroupsAlong(best.starting, best.adjustment);
-  // The odometry that carries them drifts; loop closures tie groups as well.
-  CarryGroupsAlong(RelaxGroups(best.adjustment.world_from_left, best.adjustment.datum_frames,
-                               motions.steps, motions.loop_closures),
-                   best.adjustment);
-  const std::vector<int>& apart = best.apart;
-  AdjustedPart part = LayInWorld(input_.dataset, motions.steps, std::move(best.adjustment));
   const auto contradicted =
       TakeContradicted(part.adjustment.world_from_left, motions.steps, motions.loop_closures);
   part.loop_closures = std::move(motions.loop_closures);
