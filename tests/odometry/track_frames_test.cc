@@ -142,6 +142,20 @@ TEST(TrackFrames, StandingStillInventsNoMotion) {
   }
 }
 
+TEST(TrackFrames, OnlyNearPointsTellThatTheRigStands) {
+  constexpr double kNear_px = 30.0;  // of disparity
+  SyntheticRover rover = Rover(std::vector<Rigid3>(2, RoverPose(1.0, 2.0, 0.3)));
+  EXPECT_TRUE(Track(rover)[1].stands_still);
+  for (FrameFeatures& frame : rover.frames) {
+    for (Feature& feature : frame.features) {
+      if (feature.right && feature.left.x() - feature.right->x() > kNear_px) feature.right.reset();
+    }
+  }
+  const Odometry far = Track(rover, {.disparity_noise_px = 0.15 * kNear_px});
+  ASSERT_EQ(far[1].source, PoseSource::kOdometry);
+  EXPECT_FALSE(far[1].stands_still);
+}
+
 TEST(TrackFrames, AMotionTakenForNoneIsInItsSigma) {
   double creep_m = 0.0, squared_sigmas = 0.0;
   for (double step_m = 0.0005; step_m < 0.02; step_m *= 1.2) {
