@@ -57,6 +57,15 @@ double WorstPosition_m(const Trajectory& trajectory) {
   return std::sqrt(worst_m2);
 }
 
+// A frame that is guessed instead of measured is no position known better.
+bool IsKnownBetter(const Trajectory& trajectory, const Trajectory& other) {
+  const auto measured = [](const Trajectory& poses) {
+    return std::ranges::count_if(poses, &TimedPose::IsMeasured);
+  };
+  return measured(trajectory) >= measured(other) &&
+         WorstPosition_m(trajectory) < WorstPosition_m(other);
+}
+
 }  // namespace
 
 AdjustedPart PartAdjuster::From(const Poses& mapped) const {
@@ -127,7 +136,7 @@ AdjustedPart PartAdjuster::From(const Poses& mapped, const Correspondences& corr
         laid(adjusted(RelaxPoses(StartingPoses(motions.steps, {}), motions.steps, within), apart));
     // What was tied across the cuts falls apart as well: the little that ties may be more than
     // none.
-    if (WorstPosition_m(cut.trajectory) < WorstPosition_m(part.trajectory)) {
+    if (IsKnownBetter(cut.trajectory, part.trajectory)) {
       part = std::move(cut);
     } else {
       apart.clear();
