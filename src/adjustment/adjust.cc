@@ -14,6 +14,7 @@
 #include "adjustment/internal/bundle.h"
 #include "adjustment/internal/camera_system.h"
 #include "adjustment/internal/datum_frames.h"
+#include "adjustment/internal/drift_effect.h"
 #include "adjustment/internal/lens_description.h"
 #include "adjustment/internal/pose_sigmas.h"
 #include "core/statistics.h"
@@ -229,8 +230,16 @@ class Adjuster {
     const CalibrationPrior prior = PriorAsFound(system);
     result.prior_factor = prior.sigmas(kLogFocal) / prior_.sigmas(kLogFocal);
     const CalibrationMatrix of_calibration = ErrorOfCalibration(system, prior);
+    DriftEffect drift;  // none where the images are not asked for the calibration
+    if (system.calibration) {
+      drift =
+          EffectOfDrift(Linearised(), *system.calibration, refined_, correction_, prior, options_);
+    }
     result.covariances =
         InflatedCovariances(system, bundle_.left_from_world, options_.shared_noise, of_calibration);
+    for (std::size_t i = 0; i < drift.poses.size(); ++i) {
+      result.covariances[i] += drift.poses[i] * drift.poses[i].transpose();
+    }
     result.link_covariances = InflatedLinks(system, bundle_.left_from_world, options_.shared_noise);
     result.by_calibration = std::move(system.by_calibration);
     result.calibration_covariance = of_calibration;
@@ -240,13 +249,15 @@ class Adjuster {
           options_.shared_noise * options_.shared_noise * system.scale->variance;
       result.scale_sigma_of_noise = std::sqrt(of_noise);
       result.scale_sigma =
-          std::sqrt(of_noise + by_calibration.dot(of_calibration * by_calibration));
+          std::sqrt(of_noise + by_calibration.dot(of_calibration * by_calibration) +
+                    drift.scale * drift.scale);
     }
     result.correction_px = LargestShiftPx(input_.rig, bundle_.rig);
     result.correction_prior_sigmas = LargestShiftSigmas(input_.rig, bundle_.rig, prior_);
     result.infinity_offset_px = DisparityAtInfinity(bundle_.rig) - DisparityAtInfinity(input_.rig);
     result.infinity_offset_sigma_px =
-        SigmaOf(DisparityAtInfinity, input_.rig, correction_, prior_.sigmas, of_calibration);
+        SigmaOf(DisparityAtInfinity, input_.rig, correction_, prior_.sigmas,
+                of_calibration + drift.calibration * drift.calibration.transpose());
     result.datum_frames = std::move(system.datum_frames);
     result.calibration = system.calibration;
     if (system.calibration) {

@@ -2,7 +2,9 @@
 
 #include <tbb/parallel_for.h>
 
+#include <Eigen/LU>
 #include <algorithm>
+#include <cmath>
 
 #include "adjustment/internal/datum_frames.h"
 #include "adjustment/internal/point_inverse.h"
@@ -13,19 +15,42 @@ namespace {
 
 constexpr std::size_t kReducedParts = 16;
 
+// Unknowns of a point: where it is, and the drift of its windows.
+constexpr int kPointSize = 5;
+using PointMatrix = Eigen::Matrix<double, kPointSize, kPointSize>;
+using PointVector = Eigen::Matrix<double, kPointSize, 1>;
+
+PointMatrix InverseWithDrift(const PointMatrix& information) {
+  const Eigen::Matrix2d drift = information.bottomRightCorner<2, 2>().inverse();
+  const Eigen::Matrix<double, 3, 2> following = information.topRightCorner<3, 2>() * drift;
+  const Eigen::Matrix3d position =
+      InverseOfPoint(information.topLeftCorner<3, 3>() -
+                     following * information.topRightCorner<3, 2>().transpose());
+  PointMatrix inverse;
+  inverse << position, -position * following, -following.transpose() * position,
+      drift + following.transpose() * position * following;
+  return inverse;
+}
+
+// Of the ray from a frame's left eye to a point, in world axes, from that of the point's first one.
+double Departure(const Eigen::Vector3d& first, const Eigen::Vector3d& ray) {
+  const double angle = std::atan2(first.cross(ray).norm(), first.dot(ray));
+  return std::hypot(angle, std::log(ray.norm() / first.norm()));
+}
+
 // One unknown pose that sees a point.
 struct PointView {
   int unknown = 0;
-  Eigen::Matrix<double, 6, 3> coupling = Eigen::Matrix<double, 6, 3>::Zero();
+  Eigen::Matrix<double, 6, kPointSize> coupling = Eigen::Matrix<double, 6, kPointSize>::Zero();
   Vector6d score = Vector6d::Zero();
 };
 
 // One point, before it is eliminated.
 struct PointEquations {
-  Eigen::Matrix3d v = Eigen::Matrix3d::Zero();
-  Eigen::Vector3d gradient = Eigen::Vector3d::Zero();
-  Eigen::Matrix<double, kCalibrationSize, 3> calibration =
-      Eigen::Matrix<double, kCalibrationSize, 3>::Zero();
+  PointMatrix v = PointMatrix::Zero();
+  PointVector gradient = PointVector::Zero();
+  Eigen::Matrix<double, kCalibrationSize, kPointSize> calibration =
+      Eigen::Matrix<double, kCalibrationSize, kPointSize>::Zero();
   CalibrationVector calibration_score = CalibrationVector::Zero();
   std::vector<PointView> views;  // in order of frames
 };
@@ -34,16 +59,18 @@ Matrix6d& BlockOf(int row, int column, ReducedSystem& system) {
   return system.blocks.try_emplace({row, column}, Matrix6d::Zero()).first->second;
 }
 
-void AddObservation(const PointObservation& observation, const Eigen::Vector3d& x,
+void AddObservation(const PointObservation& observation, const Eigen::Vector3d& x, double departure,
                     const Linearisation& at, PointEquations& point, ReducedSystem& system) {
   const auto seen = Reproject(at.rig, observation.eye, *at.left_from_world[observation.frame], x);
   if (!seen) return;
   const Eigen::Vector2d residual = seen->pixel - observation.pixel;
   const double weight = at.WeightOf(residual);
   const ReprojectionJacobians& j = seen->jacobians;
-  point.v += weight * j.point.transpose() * j.point;
-  point.gradient += weight * j.point.transpose() * residual;
-  point.calibration += weight * j.calibration.transpose() * j.point;
+  Eigen::Matrix<double, 2, kPointSize> by_point;
+  by_point << j.point, departure * Eigen::Matrix2d::Identity();
+  point.v += weight * by_point.transpose() * by_point;
+  point.gradient += weight * by_point.transpose() * residual;
+  point.calibration += weight * j.calibration.transpose() * by_point;
   point.calibration_score += weight * j.calibration.transpose() * residual;
   // Lazily: products of this shape are too small for blocked ones to pay.
   system.calibration += weight * j.calibration.transpose().lazyProduct(j.calibration);
@@ -53,17 +80,17 @@ void AddObservation(const PointObservation& observation, const Eigen::Vector3d& 
     point.views.push_back({.unknown = unknown});
   }
   PointView& view = point.views.back();
-  view.coupling += weight * j.pose.transpose() * j.point;
+  view.coupling += weight * j.pose.transpose() * by_point;
   view.score += weight * j.pose.transpose() * residual;
   BlockOf(unknown, unknown, system) += weight * j.pose.transpose() * j.pose;
   system.pose_calibration[unknown] += weight * j.pose.transpose().lazyProduct(j.calibration);
 }
 
 // Subtracts what the point's own freedom takes away.
-void EliminatePoint(const PointEquations& point, const Eigen::Matrix3d& inverse,
+void EliminatePoint(const PointEquations& point, const PointMatrix& inverse,
                     ReducedSystem& system) {
   for (const PointView& i : point.views) {
-    const Eigen::Matrix<double, 6, 3> scaled = i.coupling * inverse;
+    const Eigen::Matrix<double, 6, kPointSize> scaled = i.coupling * inverse;
     for (const PointView& k : point.views) {
       if (k.unknown > i.unknown) break;
       BlockOf(i.unknown, k.unknown, system) -= scaled * k.coupling.transpose();
@@ -71,14 +98,13 @@ void EliminatePoint(const PointEquations& point, const Eigen::Matrix3d& inverse,
     system.pose_calibration[i.unknown] -= scaled.lazyProduct(point.calibration.transpose());
     system.pose_gradient[i.unknown] -= scaled * point.gradient;
   }
-  const Eigen::Matrix<double, kCalibrationSize, 3> scaled = point.calibration * inverse;
+  const Eigen::Matrix<double, kCalibrationSize, kPointSize> scaled = point.calibration * inverse;
   system.calibration -= scaled.lazyProduct(point.calibration.transpose());
   system.calibration_gradient -= scaled * point.gradient;
 }
 
-void AddCluster(const PointEquations& point, const Eigen::Matrix3d& inverse,
-                ReducedSystem& system) {
-  const Eigen::Vector3d step = inverse * point.gradient;
+void AddCluster(const PointEquations& point, const PointMatrix& inverse, ReducedSystem& system) {
+  const PointVector step = inverse * point.gradient;
   std::vector<ScoreClusters::Score> scores;
   for (const PointView& view : point.views) {
     scores.emplace_back(view.unknown, view.score - view.coupling * step);
@@ -90,12 +116,20 @@ void AddPointTo(ReducedSystem& system, const AdjustedPoint& adjusted, const Line
   PointEquations point;
   system.coordinates += 2.0 * static_cast<double>(adjusted.observations.size());
   system.point_unknowns += 3.0;
+  const bool drifts = at.drift_sigma_px > 0.0;
+  point.v.diagonal().tail<2>().setConstant(drifts ? std::pow(at.drift_sigma_px, -2) : 1.0);
+  const auto ray_of = [&](const PointObservation& o) -> Eigen::Vector3d {
+    return adjusted.x - at.left_from_world[o.frame]->Inverse().translation;
+  };
+  const PointObservation& first = adjusted.observations.front();
   for (const PointObservation& o : adjusted.observations) {
-    AddObservation(o, adjusted.x, at, point, system);
+    const double departure =
+        drifts && o.frame != first.frame ? Departure(ray_of(first), ray_of(o)) : 0.0;
+    AddObservation(o, adjusted.x, departure, at, point, system);
   }
   for (const PointView& view : point.views) system.pose_gradient[view.unknown] += view.score;
   system.calibration_gradient += point.calibration_score;
-  const Eigen::Matrix3d inverse = InverseOfPoint(point.v);
+  const PointMatrix inverse = InverseWithDrift(point.v);
   AddCluster(point, inverse, system);
   EliminatePoint(point, inverse, system);
 }

@@ -23,6 +23,11 @@ struct Linearisation {
   double noise_px = 1.0, huber_px = 1.0;
   const LensField* field = nullptr;
   double field_information = 0.0;
+  // Of what windows slide by over ground that is not flat: px by which both eyes' positions of a
+  // point are off, for each unit by which the view departs from that of its first frame (angle of
+  // the ray, rad, and logarithm of the ratio of distances, root of the sum of squares). Each point
+  // has two such coordinates, which are eliminated with it. 0: windows stay.
+  double drift_sigma_px = 0.0;
 
   double WeightOf(const Eigen::Vector2d& residual) const {
     return std::min(1.0, huber_px / std::max(residual.norm(), 1e-9)) / (noise_px * noise_px);
