@@ -246,11 +246,11 @@ class Adjuster {
     if (system.scale) {
       const CalibrationVector& by_calibration = system.scale->by_calibration;
       const double of_noise =
-          options_.shared_noise * options_.shared_noise * system.scale->variance;
+          options_.shared_noise * options_.shared_noise * system.scale->variance +
+          drift.scale * drift.scale;
       result.scale_sigma_of_noise = std::sqrt(of_noise);
       result.scale_sigma =
-          std::sqrt(of_noise + by_calibration.dot(of_calibration * by_calibration) +
-                    drift.scale * drift.scale);
+          std::sqrt(of_noise + by_calibration.dot(of_calibration * by_calibration));
     }
     result.correction_px = LargestShiftPx(input_.rig, bundle_.rig);
     result.correction_prior_sigmas = LargestShiftSigmas(input_.rig, bundle_.rig, prior_);
