@@ -238,7 +238,7 @@ class Adjuster {
     result.covariances =
         InflatedCovariances(system, bundle_.left_from_world, options_.shared_noise, of_calibration);
     for (std::size_t i = 0; i < drift.poses.size(); ++i) {
-      result.covariances[i] += drift.poses[i] * drift.poses[i].transpose();
+      result.covariances[i] += kShareOfDrift * drift.poses[i] * drift.poses[i].transpose();
     }
     result.link_covariances = InflatedLinks(system, bundle_.left_from_world, options_.shared_noise);
     result.by_calibration = std::move(system.by_calibration);
@@ -247,7 +247,7 @@ class Adjuster {
       const CalibrationVector& by_calibration = system.scale->by_calibration;
       const double of_noise =
           options_.shared_noise * options_.shared_noise * system.scale->variance +
-          drift.scale * drift.scale;
+          kShareOfDrift * drift.scale * drift.scale;
       result.scale_sigma_of_noise = std::sqrt(of_noise);
       result.scale_sigma =
           std::sqrt(of_noise + by_calibration.dot(of_calibration * by_calibration));
@@ -257,7 +257,7 @@ class Adjuster {
     result.infinity_offset_px = DisparityAtInfinity(bundle_.rig) - DisparityAtInfinity(input_.rig);
     result.infinity_offset_sigma_px =
         SigmaOf(DisparityAtInfinity, input_.rig, correction_, prior_.sigmas,
-                of_calibration + drift.calibration * drift.calibration.transpose());
+                of_calibration + kShareOfDrift * drift.calibration * drift.calibration.transpose());
     result.datum_frames = std::move(system.datum_frames);
     result.calibration = system.calibration;
     if (system.calibration) {

@@ -15,6 +15,10 @@ struct DriftEffect {
   double scale = 0.0;  // of the positions about their mean, as a share
 };
 
+// Of the squares of an effect, what counts in sigmas: windows may drift or not, or be anywhere
+// between, and this is the mean square of what lies anywhere between nothing and one.
+inline constexpr double kShareOfDrift = 1.0 / 3.0;
+
 // By how much the poses, and the calibration with the parameters of `refined` free, would move from
 // `at`, where `equations` hold, if each point's windows slid over the ground as its view changes.
 // Residuals go together along tracks because they do, and as long as they are taken for
