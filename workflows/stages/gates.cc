@@ -67,8 +67,10 @@ Report ReportPart(const GateInputs& inputs, const GateOptions& options) {
   } else if (accuracy.scale_95_pct) {
     text = fmt::format("metres good to {}; ", HowGood(findings));
     if (!findings.guessed.empty()) {
-      text += fmt::format("{} of {} poses are guessed, the worst to {}; ", findings.GuessedCount(),
-                          findings.frames, LengthText(findings.guessed_95_m));
+      text += fmt::format(
+          "{} of {} poses are guessed, {}; ", findings.GuessedCount(), findings.frames,
+          std::isfinite(findings.guessed_95_m) ? "the worst to " + LengthText(findings.guessed_95_m)
+                                               : "of which that says nothing");
     }
     if (!findings.bridged.empty()) {
       text += fmt::format("{} of {} steps are by wheels and gyro, since no image shows them; ",
