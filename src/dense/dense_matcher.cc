@@ -44,7 +44,8 @@ DepthMap DenseMatcher::Compute(const StereoFrame& frame) const {
   const double nearest_px = NearestPx();
   const double farthest_px = options_.max_range_m > 0.0 ? depth_px / options_.max_range_m : 0.0;
   const cv::Mat matched = MatchDisparity(pair, nearest_px, options_);
-  RefinedDisparity refined = RefineDisparity(pair.left, pair.right, matched, options_);
+  RefinedDisparity refined =
+      RefineDisparity(pair.left, pair.right, matched, map.camera.fx, options_);
   map.disparity = std::move(refined.disparity);
   map.disparity_sigma = std::move(refined.sigma);
   map.smoothed_pct = std::move(refined.smoothed_pct);

@@ -38,7 +38,8 @@ OptionFields DenseOptions::Fields() {
       {"refinement_px", &refinement_px, "px", AtLeast(3).UpTo(51).Odd(),
        "Side of the window in which both views are brought to agree below the pixel."},
       {"smoothing_px", &smoothing_px, "px", AtLeast(1).UpTo(51).Odd(),
-       "Side of the window in which disparities of one surface are averaged (1: not at all)."},
+       "Side of the window in which disparities of one surface are averaged (1: not at all); two "
+       "less in the end where bends are kept, depth being known to less than the window's width."},
       {"refined_sigma_factor", &refined_sigma_factor, "", MoreThan(0.0),
        "The sigma that comes with the refinement is multiplied with this: neighbours share the "
        "noise of resampled views. Against true depths 1.6 to 2.3."},

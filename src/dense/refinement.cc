@@ -19,7 +19,7 @@ constexpr float kRounding2 = 1.0F / 6.0F;  // of the difference of two grey valu
 constexpr float kNoiseGradient2 = 0.25F;  // of the residuals' variance
 constexpr float kTextureSigmas = 1.0F;    // by which texture has to stand out from noise
 constexpr float kLeastCount = 9.0F;       // pixels of a window that tell gradients from noise
-constexpr double kSmoothings = 2.0;       // before and after the step
+constexpr double kSmoothings = 2.0;       // before and after the step, where no bend is kept
 
 struct Differences {
   cv::Mat residual;  // left less right view, at the disparities
@@ -105,18 +105,51 @@ Finer TakeSteps(const cv::Mat& coarse, const MomentMaps& moments, const DenseOpt
   return finer;
 }
 
-}  // namespace
-
-RefinedDisparity RefineDisparity(const cv::Mat& left, const cv::Mat& right,
-                                 const cv::Mat& disparity, const DenseOptions& options) {
-  const int radius_px = options.smoothing_px / 2;
-  const cv::Mat coarse = SmoothDisparity(disparity, radius_px);
+// What one step of least squares makes of coarse disparities.
+Finer Refine(const cv::Mat& left, const cv::Mat& right, const cv::Mat& coarse,
+             const DenseOptions& options) {
   const auto [residual, gradient] = Compare(left, right, coarse);
   MomentMaps moments = MomentsOf(coarse > 0.0F, residual, gradient, options.refinement_px);
   ReplaceAtSteps({coarse, residual, gradient, options.refinement_px}, moments);
-  const Finer finer = TakeSteps(coarse, moments, options);
-  RefinedDisparity refined{.disparity = SmoothDisparity(finer.disparity, radius_px)};
-  const cv::Mat smoothed2 = kSmoothings * SquareBendOf(refined.disparity, radius_px);
+  return TakeSteps(coarse, moments, options);
+}
+
+// How much of a bend is worth keeping, from 0 to 1: all where one sigma of a depth is no longer
+// than half of what the mean's window is wide there, nothing from its whole width on. What is known
+// less well goes into cubes that are wider than a bend within the window, and would have nothing of
+// it but its noise.
+cv::Mat ShareOfBends(const Finer& finer, double focal_px, int window_px) {
+  cv::Mat share;
+  cv::sqrt(finer.variance, share);
+  // A depth's relative sigma is that of its disparity, and the window's width there its pixels over
+  // the focal length.
+  cv::divide(share, finer.disparity, share, -2.0 * focal_px / window_px);
+  share = cv::max(cv::min(2.0 + share, 1.0), 0.0);
+  share.setTo(0.0, finer.disparity <= 0.0F);
+  return share;
+}
+
+// A mean; where bends are kept twice a narrower one less the mean of that, which puts back what it
+// takes off.
+cv::Mat SmoothButBends(const cv::Mat& disparity, const cv::Mat& share, int radius_px) {
+  const int narrower_px = std::max(radius_px - 1, 0);
+  const cv::Mat wide = SmoothDisparity(disparity, radius_px);
+  cv::Mat kept = SmoothDisparity(disparity, narrower_px);
+  kept = 2.0 * kept - SmoothDisparity(kept, narrower_px) - wide;
+  cv::multiply(kept, share, kept);
+  return wide + kept;
+}
+
+}  // namespace
+
+RefinedDisparity RefineDisparity(const cv::Mat& left, const cv::Mat& right,
+                                 const cv::Mat& disparity, double focal_px,
+                                 const DenseOptions& options) {
+  const int radius_px = options.smoothing_px / 2;
+  const Finer finer = Refine(left, right, SmoothDisparity(disparity, radius_px), options);
+  const cv::Mat bends = ShareOfBends(finer, focal_px, options.smoothing_px);
+  RefinedDisparity refined{.disparity = SmoothButBends(finer.disparity, bends, radius_px)};
+  const cv::Mat smoothed2 = (kSmoothings - bends).mul(SquareBendOf(refined.disparity, radius_px));
   const cv::Mat variance = finer.variance + smoothed2;
   cv::sqrt(variance, refined.sigma);
   // Stored in single per cents it would be a sixth of a depth map's bytes.

@@ -16,7 +16,9 @@ namespace rigmap {
 namespace {
 
 constexpr int kColumns = 320, kRows = 200;
-constexpr int kFirstColumn = 40;  // further left the right view does not see it
+constexpr double kFocal_px = 400.0;
+constexpr double kFarFocal_px = 1e12;  // where windows are narrower than any sigma
+constexpr int kFirstColumn = 40;       // further left the right view does not see it
 
 // Grey values as a sum of waves 6 to 25 px long: what each view shows is known at any place.
 class Texture {
@@ -134,19 +136,24 @@ INSTANTIATE_TEST_SUITE_P(Surfaces, RefineDisparityOf,
 TEST_P(RefineDisparityOf, TakesRoundingAndBiasAway) {
   const ViewPair pair = Render(Texture(random_, 20.0), GetParam().disparity, random_);
   const cv::Mat rough = RoundedAndBiased(GetParam().disparity);
-  const RefinedDisparity refined = RefineDisparity(pair.left, pair.right, rough, options_);
-  const auto errors = Errors(refined.disparity, GetParam().disparity);
-  // Here and there even white noise is nearly level for nine pixels.
-  EXPECT_GT(errors.size(), 0.999 * cv::countNonZero(rough));
-  EXPECT_NEAR(errors[errors.size() / 2], 0.0, 0.02) << "px";
-  EXPECT_LT(Rms(errors), 0.5 * Rms(Errors(rough, GetParam().disparity)));
+  // Where bends are kept, more of the noise stays as well.
+  for (const auto& [focal_px, most] : {std::pair(kFocal_px, 0.6), std::pair(kFarFocal_px, 0.5)}) {
+    const RefinedDisparity refined =
+        RefineDisparity(pair.left, pair.right, rough, focal_px, options_);
+    const auto errors = Errors(refined.disparity, GetParam().disparity);
+    // Here and there even white noise is nearly level for nine pixels.
+    EXPECT_GT(errors.size(), 0.999 * cv::countNonZero(rough));
+    EXPECT_NEAR(errors[errors.size() / 2], 0.0, 0.02) << "px";
+    EXPECT_LT(Rms(errors), most * Rms(Errors(rough, GetParam().disparity))) << focal_px;
+  }
 }
 
 TEST_P(RefineDisparityOf, ReducesNoise) {
   const ViewPair pair = Render(Texture(random_, 20.0), GetParam().disparity, random_);
   const cv::Mat noisy = KnownWhereSeen(
       [&](int column, int row) { return GetParam().disparity(column, row) + random_.Normal(0.2); });
-  const RefinedDisparity refined = RefineDisparity(pair.left, pair.right, noisy, options_);
+  const RefinedDisparity refined =
+      RefineDisparity(pair.left, pair.right, noisy, kFocal_px, options_);
   const auto errors = Errors(refined.disparity, GetParam().disparity);
   EXPECT_LT(Rms(errors), 0.06) << "px, of 0.2";
 }
@@ -157,8 +164,8 @@ TEST_P(RefineDisparityOf, KnowsItsSigma) {
   options_.least_sigma_px = 1e-3;
   for (const double contrast_grey : {5.0, 10.0, 20.0}) {
     const ViewPair pair = Render(Texture(random_, contrast_grey), GetParam().disparity, random_);
-    const RefinedDisparity refined =
-        RefineDisparity(pair.left, pair.right, RoundedAndBiased(GetParam().disparity), options_);
+    const RefinedDisparity refined = RefineDisparity(
+        pair.left, pair.right, RoundedAndBiased(GetParam().disparity), kFocal_px, options_);
     const double normalised = Rms(Errors(refined.disparity, GetParam().disparity, refined.sigma));
     EXPECT_GT(normalised, 0.5) << contrast_grey;
     EXPECT_LT(normalised, 1.5) << contrast_grey;
@@ -171,7 +178,7 @@ TEST_P(RefineDisparityOf, WidensItsSigmaAsTheOptionsSay) {
   const auto sigma_with = [&](double factor, double least_px) {
     options_.refined_sigma_factor = factor;
     options_.least_sigma_px = least_px;
-    return RefineDisparity(pair.left, pair.right, rough, options_).sigma;
+    return RefineDisparity(pair.left, pair.right, rough, kFarFocal_px, options_).sigma;
   };
   const cv::Mat plain = sigma_with(1.0, 1e-6), widened = sigma_with(3.0, 0.05);
   const cv::Mat bend = sigma_with(1e-6, 1e-6);  // what smoothing takes off
@@ -191,8 +198,8 @@ TEST_P(RefineDisparityOf, DoesNotMindBrightness) {
   const cv::Mat rough = RoundedAndBiased(GetParam().disparity);
   const cv::Mat brighter = pair.right + 30;
   ASSERT_LT(*std::max_element(brighter.begin<uchar>(), brighter.end<uchar>()), 255);
-  const RefinedDisparity one = RefineDisparity(pair.left, pair.right, rough, options_);
-  const RefinedDisparity other = RefineDisparity(pair.left, brighter, rough, options_);
+  const RefinedDisparity one = RefineDisparity(pair.left, pair.right, rough, kFocal_px, options_);
+  const RefinedDisparity other = RefineDisparity(pair.left, brighter, rough, kFocal_px, options_);
   EXPECT_LT(cv::norm(one.disparity, other.disparity, cv::NORM_INF), 1e-3) << "px";
   EXPECT_LT(cv::norm(one.sigma, other.sigma, cv::NORM_INF), 1e-3) << "px";
 }
@@ -207,11 +214,11 @@ TEST_P(RefineDisparityOf, KnowsNothingWhereNothingButNoiseIsSeen) {
     }
   }
   const cv::Mat rough = RoundedAndBiased(GetParam().disparity);
-  const RefinedDisparity dark = RefineDisparity(left, right, rough, options_);
+  const RefinedDisparity dark = RefineDisparity(left, right, rough, kFocal_px, options_);
   // Texture has to stand out by one sigma.
   EXPECT_LT(cv::countNonZero(dark.disparity), 0.16 * cv::countNonZero(rough));
   const cv::Mat flat(kRows, kColumns, CV_8UC1, cv::Scalar(1));
-  EXPECT_EQ(cv::countNonZero(RefineDisparity(flat, flat, rough, options_).disparity), 0);
+  EXPECT_EQ(cv::countNonZero(RefineDisparity(flat, flat, rough, kFocal_px, options_).disparity), 0);
 }
 
 TEST_P(RefineDisparityOf, LeavesTheUnknownUnknown) {
@@ -222,7 +229,8 @@ TEST_P(RefineDisparityOf, LeavesTheUnknownUnknown) {
     rough.at<float>(static_cast<int>(random_.Uniform(0.0, kRows)),
                     static_cast<int>(random_.Uniform(0.0, kColumns))) = 0.0F;
   }
-  const RefinedDisparity refined = RefineDisparity(pair.left, pair.right, rough, options_);
+  const RefinedDisparity refined =
+      RefineDisparity(pair.left, pair.right, rough, kFocal_px, options_);
   const cv::Mat was_known = rough > 0.0F, is_known = refined.disparity > 0.0F;
   EXPECT_EQ(cv::countNonZero(is_known & ~was_known), 0);
   EXPECT_GT(cv::countNonZero(is_known), 0.999 * cv::countNonZero(was_known));
@@ -240,7 +248,7 @@ TEST(RefineDisparity, PutsNothingBetweenTheSidesOfAStep) {
   SeededRandom random;
   const ViewPair pair = Render(Texture(random, 20.0), Step, random);
   const RefinedDisparity refined =
-      RefineDisparity(pair.left, pair.right, RoundedAndBiased(Step), {});
+      RefineDisparity(pair.left, pair.right, RoundedAndBiased(Step), kFocal_px, {});
   for (int row = 0; row < kRows; ++row) {
     for (int column = kFirstColumn; column < kColumns; ++column) {
       ASSERT_LT(FromStepPx(refined.disparity.at<float>(row, column)), 0.7) << column << ", " << row;
@@ -259,7 +267,7 @@ TEST(RefineDisparity, TellsTheSidesOfAStepApart) {
     const double truth = Step(column, row);
     return truth < 23.0 ? truth - 0.3 : truth + 0.3;
   });
-  cv::Mat refined = RefineDisparity(pair.left, pair.right, rough, {}).disparity;
+  cv::Mat refined = RefineDisparity(pair.left, pair.right, rough, kFocal_px, {}).disparity;
   for (int row = 0; row < kRows; ++row) {
     const int last_below = static_cast<int>(std::ceil(190.0 - 0.3 * row)) - 1;
     for (int column = kFirstColumn; column < kColumns; ++column) {
@@ -287,18 +295,28 @@ TEST(SquareBendOf, IsThatOfABowlAndNothingOnAPlane) {
   EXPECT_LT(cv::norm(SquareBendOf(KnownWhereSeen(Step), 3), cv::NORM_INF), 1e-8);
 }
 
+double Ridge(int column, int row) { return 24.0 - 0.25 * std::abs((column + row) % 16 - 8.0); }
+
 // Where the surface bends within a window, both smoothings flatten it.
 TEST(RefineDisparity, KnowsWhatSmoothingTakesOffARidge) {
-  const auto ridge = [](int column, int row) {
-    return 24.0 - 0.25 * std::abs((column + row) % 16 - 8.0);
-  };
   SeededRandom random;
-  const ViewPair pair = Render(Texture(random, 20.0), ridge, random);
-  const RefinedDisparity refined =
-      RefineDisparity(pair.left, pair.right, KnownWhereSeen(ridge), {});
-  const double normalised = Rms(Errors(refined.disparity, ridge, refined.sigma));
-  EXPECT_GT(normalised, 0.5);
-  EXPECT_LT(normalised, 1.5);
+  const ViewPair pair = Render(Texture(random, 20.0), Ridge, random);
+  for (const double focal_px : {kFocal_px, kFarFocal_px}) {
+    const RefinedDisparity refined =
+        RefineDisparity(pair.left, pair.right, KnownWhereSeen(Ridge), focal_px, {});
+    const double normalised = Rms(Errors(refined.disparity, Ridge, refined.sigma));
+    EXPECT_GT(normalised, 0.5) << focal_px;
+    EXPECT_LT(normalised, 1.5) << focal_px;
+  }
+}
+
+TEST(RefineDisparity, KeepsBendsWhereDepthIsKnownToLessThanAWindowsWidth) {
+  SeededRandom random;
+  const ViewPair pair = Render(Texture(random, 20.0), Ridge, random);
+  const cv::Mat rough = KnownWhereSeen(Ridge);
+  const cv::Mat near = RefineDisparity(pair.left, pair.right, rough, kFocal_px, {}).disparity;
+  const cv::Mat far = RefineDisparity(pair.left, pair.right, rough, kFarFocal_px, {}).disparity;
+  EXPECT_LT(Rms(Errors(near, Ridge)), 0.8 * Rms(Errors(far, Ridge)));
 }
 
 TEST(SmoothDisparity, KeepsAPlane) {
