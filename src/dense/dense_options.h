@@ -22,6 +22,7 @@ struct DenseOptions {
   int speckle_step_px = 1;
   int refinement_px = 9;
   int smoothing_px = 7;
+  bool keep_bends = true;
   double refined_sigma_factor = 2.0;
   double least_sigma_px = 0.05;
   double min_depth_m = 0.0;

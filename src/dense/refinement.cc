@@ -147,7 +147,8 @@ RefinedDisparity RefineDisparity(const cv::Mat& left, const cv::Mat& right,
                                  const DenseOptions& options) {
   const int radius_px = options.smoothing_px / 2;
   const Finer finer = Refine(left, right, SmoothDisparity(disparity, radius_px), options);
-  const cv::Mat bends = ShareOfBends(finer, focal_px, options.smoothing_px);
+  const cv::Mat bends = options.keep_bends ? ShareOfBends(finer, focal_px, options.smoothing_px)
+                                           : cv::Mat(disparity.size(), CV_32F, cv::Scalar(0.0));
   RefinedDisparity refined{.disparity = SmoothButBends(finer.disparity, bends, radius_px)};
   const cv::Mat smoothed2 = (kSmoothings - bends).mul(SquareBendOf(refined.disparity, radius_px));
   const cv::Mat variance = finer.variance + smoothed2;

@@ -317,6 +317,9 @@ TEST(RefineDisparity, KeepsBendsWhereDepthIsKnownToLessThanAWindowsWidth) {
   const cv::Mat near = RefineDisparity(pair.left, pair.right, rough, kFocal_px, {}).disparity;
   const cv::Mat far = RefineDisparity(pair.left, pair.right, rough, kFarFocal_px, {}).disparity;
   EXPECT_LT(Rms(Errors(near, Ridge)), 0.8 * Rms(Errors(far, Ridge)));
+  const DenseOptions plain{.keep_bends = false};
+  const cv::Mat mean = RefineDisparity(pair.left, pair.right, rough, kFocal_px, plain).disparity;
+  EXPECT_EQ(cv::norm(mean, far, cv::NORM_INF), 0.0);
 }
 
 TEST(SmoothDisparity, KeepsAPlane) {

@@ -174,6 +174,8 @@ DepthIndex MakeFrameDepths(const StageContext& context, const Dataset& dataset,
                            const FeatureStore& store, const DenseOptions& options,
                            const MaskOptions& masks, const VoxelOptions& voxel) {
   constexpr double kAnyNoise_px = 0.1;  // for sigmas that nobody asks for
+  DenseOptions of_single_frames = options;
+  of_single_frames.keep_bends = false;  // no other frame averages the noise away
   const StereoRig& rig = dataset.rig;
   PointsInLeft points_in_left(dataset.frames.size());
   for (std::size_t i = 0; i < points_in_left.size(); ++i) {
@@ -190,7 +192,7 @@ DepthIndex MakeFrameDepths(const StageContext& context, const Dataset& dataset,
     }
   }
   return MatchFrames(context, dataset, content, features.rig_fixed, rig, points_in_left,
-                     seen.nearest_m, {options, masks, voxel}, std::move(index));
+                     seen.nearest_m, {of_single_frames, masks, voxel}, std::move(index));
 }
 
 void PublishDepths(Publication& publication, const StageContext&, const DepthIndex& index,
