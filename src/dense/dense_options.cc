@@ -44,7 +44,7 @@ OptionFields DenseOptions::Fields() {
        "",
        {},
        "Whether bends are kept where depth is known to less than that window is wide. A map of "
-       "nine frames is truer by it, a single depth map noisier by an eighth. Clouds that are "
+       "nine frames is truer by it, a single depth map noisier by a seventh. Clouds that are "
        "chained frame by frame never do."},
       {"refined_sigma_factor", &refined_sigma_factor, "", MoreThan(0.0),
        "The sigma that comes with the refinement is multiplied with this: neighbours share the "

@@ -134,6 +134,7 @@ cv::Mat ShareOfBends(const Finer& finer, double focal_px, int window_px) {
 cv::Mat SmoothButBends(const cv::Mat& disparity, const cv::Mat& share, int radius_px) {
   const int narrower_px = std::max(radius_px - 1, 0);
   const cv::Mat wide = SmoothDisparity(disparity, radius_px);
+  if (cv::countNonZero(share) == 0) return wide;
   cv::Mat kept = SmoothDisparity(disparity, narrower_px);
   kept = 2.0 * kept - SmoothDisparity(kept, narrower_px) - wide;
   cv::multiply(kept, share, kept);
