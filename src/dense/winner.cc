@@ -133,10 +133,12 @@ namespace {
 
 HWY_EXPORT(FindWinners);
 
-// The least of a parabola through three costs, from the middle one, in steps.
+// The least of a parabola through three costs, from the middle one, in steps. Rounded to either
+// side alike: cut off towards zero, half of all disparities would come out half a step too large.
 int ParabolaSteps(const WinnerRow::Winner& winner) {
   const int bend = std::max(winner.before + winner.after - 2 * winner.least, 1);
-  return ((winner.before - winner.after) * WinnerRow::kSteps + bend) / (2 * bend);
+  const int twice = (winner.before - winner.after) * WinnerRow::kSteps / bend;  // steps
+  return (twice + (twice > 0 ? 1 : -1)) / 2;
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 #include "tests/dense/semi_global_reference.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <cstdlib>
 #include <utility>
@@ -178,9 +179,9 @@ class Reference {
       const bool inside = best > 0 && best + 1 < static_cast<int>(s.size()) && d <= column &&
                           d <= WinnerRow::kMostDisparity;
       if (!inside || !IsUnique(s, best)) continue;
-      const int bend = std::max(s[best - 1] + s[best + 1] - 2 * s[best], 1);
-      disparity = static_cast<short>(d * kSteps +
-                                     ((s[best - 1] - s[best + 1]) * kSteps + bend) / (2 * bend));
+      const double bend = std::max(s[best - 1] + s[best + 1] - 2 * s[best], 1);
+      disparity = static_cast<short>(
+          d * kSteps + std::lround(kSteps * (s[best - 1] - s[best + 1]) / (2.0 * bend)));
     }
     for (int column = 0; column < left_.cols; ++column) {
       auto& disparity = disparities.at<short>(row, column);

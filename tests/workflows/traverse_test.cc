@@ -178,7 +178,8 @@ TEST_F(TraverseTest, AnotherWorldIsJoinedByItself) {
   EXPECT_EQ(again.exit_code, 3) << again.err;
   EXPECT_THAT(again.err, HasSubstr("they are joined by themselves in " + other.string()));
   for (const fs::path& world : {out_, other}) {
-    for (const json& stage : ReadJson(world / "summary.json")["stages"]) {
+    const json summary = ReadJson(world / "summary.json");
+    for (const json& stage : summary["stages"]) {
       if (stage["name"] == "adjustment") {
         EXPECT_EQ(stage["reused"], true) << world;
       }
@@ -325,7 +326,8 @@ TEST_F(TraverseTest, WhatIsAskedForAnewIsDoneAnewOnce) {
   EXPECT_EQ(known["status"], "untrusted");
   EXPECT_THAT(known["gates"].dump(), HasSubstr("part b failed: no images"));
   join({"--until", "pose_graph", "--from", "matching"});
-  for (const json& stage : ReadJson(out_ / "summary.json")["stages"]) {
+  const json joined = ReadJson(out_ / "summary.json");
+  for (const json& stage : joined["stages"]) {
     // The second of its two runs, which goes on from the adjustment.
     if (stage["name"] == "matching") {
       EXPECT_EQ(stage["reused"], true);

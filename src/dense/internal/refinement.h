@@ -17,9 +17,9 @@ struct RefinedDisparity {
 // where the window around each pixel looks alike in both views up to a gain of 1 and an offset, and
 // smoothed again; there bends are kept where depth is known to less than the smoothing's window is
 // wide (`focal_px` is that of the views). Semi-global matching interpolates costs that are no
-// parabolas, which leaves a bias of 0.03 px and noise of 0.2 px on sand; after this 0.002 and 0.08
-// to 0.15 px are left. Where the texture is hardly above the noise the step is too short, and up to
-// half of a bias stays.
+// parabolas, which leaves biases of up to 0.03 px and noise of 0.2 px on sand; after this 0.002 and
+// 0.08 to 0.15 px are left. Where the texture is hardly above the noise the step is too short, and
+// up to half of a bias stays.
 //
 // Where the window reaches over a step of the depth, only the pixel's own surface in it counts
 // (StepWindows).
