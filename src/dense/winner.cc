@@ -137,8 +137,8 @@ HWY_EXPORT(FindWinners);
 // side alike: cut off towards zero, half of all disparities would come out half a step too large.
 int ParabolaSteps(const WinnerRow::Winner& winner) {
   const int bend = std::max(winner.before + winner.after - 2 * winner.least, 1);
-  const int twice = (winner.before - winner.after) * WinnerRow::kSteps / bend;  // steps
-  return (twice + (twice > 0 ? 1 : -1)) / 2;
+  const int ahead = (winner.before - winner.after) * WinnerRow::kSteps;
+  return (ahead + (ahead > 0 ? bend : -bend)) / (2 * bend);
 }
 
 }  // namespace
