@@ -33,10 +33,14 @@ double ScaleOf(const std::vector<std::optional<Rigid3>>& left_from_world,
   return squares > 0.0 ? products / squares : 0.0;
 }
 
-// As if residuals were what their noise says.
-CalibrationEquations Independent(CalibrationEquations equations) {
-  equations.score_covariance = equations.information;
-  return equations;
+// Says what `equations` say, with an inflation of `inflation`.
+CalibrationEquations Inflated(const CalibrationEquations& equations, double inflation,
+                              const AdjustmentOptions& options) {
+  CalibrationEquations inflated{.score = equations.score,
+                                .information = equations.information,
+                                .score_covariance = equations.information};
+  inflated.score_covariance *= inflation / Inflation(inflated, options);
+  return inflated;
 }
 
 }  // namespace
@@ -48,12 +52,11 @@ DriftEffect EffectOfDrift(Linearisation at, const CalibrationEquations& equation
   at.drift_sigma_px = kDriftSigmaPx;
   auto solution = SolveCalibration(at);
   if (!solution) return {};
-  // The prior weighs as much as it does without drift.
-  solution->equations.score_covariance = Inflation(equations, options) /
-                                         Inflation(Independent(equations), options) *
-                                         solution->equations.information;
   DriftEffect effect{.poses = std::vector<Vector6d>(at.left_from_world.size(), Vector6d::Zero())};
-  if (const auto better = MostProbable(refined, correction, solution->equations, prior, options)) {
+  // The prior weighs as much as it does without drift.
+  const CalibrationEquations drifting =
+      Inflated(solution->equations, Inflation(equations, options), options);
+  if (const auto better = MostProbable(refined, correction, drifting, prior, options)) {
     effect.calibration = better->correction - correction;
   }
   for (std::size_t i = 0; i < at.left_from_world.size(); ++i) {
