@@ -23,11 +23,11 @@ std::optional<PoseMatrix> FactorisedByBlocks(const ReducedSystem& system) {
 }
 
 // What windows have in common that no model knows (half of what perspective bends, the phase
-// between pixels): about 0.0024 px (rms) in all fields that the parameters make together, a little
+// between pixels): about 0.0022 px (rms) in all fields that the parameters make together, a little
 // of it in each. It follows from the Monte Carlo over simulated loops, which turn one way only and
 // whose principal points err to one side, all of them, by more than noise lets them.
 double CoherentShare(double observations, double noise_px) {
-  constexpr double kOfEachPx = 0.00055;
+  constexpr double kOfEachPx = 0.0005;
   return observations * std::pow(kOfEachPx / noise_px, 2);
 }
 
