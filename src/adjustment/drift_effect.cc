@@ -33,16 +33,6 @@ double ScaleOf(const std::vector<std::optional<Rigid3>>& left_from_world,
   return squares > 0.0 ? products / squares : 0.0;
 }
 
-// Says what `equations` say, with an inflation of `inflation`.
-CalibrationEquations Inflated(const CalibrationEquations& equations, double inflation,
-                              const AdjustmentOptions& options) {
-  CalibrationEquations inflated{.score = equations.score,
-                                .information = equations.information,
-                                .score_covariance = equations.information};
-  inflated.score_covariance *= inflation / Inflation(inflated, options);
-  return inflated;
-}
-
 }  // namespace
 
 DriftEffect EffectOfDrift(Linearisation at, const CalibrationEquations& equations,
@@ -50,13 +40,13 @@ DriftEffect EffectOfDrift(Linearisation at, const CalibrationEquations& equation
                           const CalibrationPrior& prior, const AdjustmentOptions& options) {
   at.field = nullptr;  // held: pixels have been moved by it
   at.drift_sigma_px = kDriftSigmaPx;
-  auto solution = SolveCalibration(at);
+  const auto solution = SolveCalibration(at);
   if (!solution) return {};
   DriftEffect effect{.poses = std::vector<Vector6d>(at.left_from_world.size(), Vector6d::Zero())};
   // The prior weighs as much as it does without drift.
-  const CalibrationEquations drifting =
-      Inflated(solution->equations, Inflation(equations, options), options);
-  if (const auto better = MostProbable(refined, correction, drifting, prior, options)) {
+  const double inflation = Inflation(equations, options);
+  if (const auto better =
+          MostProbable(refined, correction, solution->equations, prior, inflation)) {
     effect.calibration = better->correction - correction;
   }
   for (std::size_t i = 0; i < at.left_from_world.size(); ++i) {
