@@ -321,55 +321,6 @@ TEST(NextRefinement, OneStretchOfSixMayShowSomethingElse) {
   EXPECT_EQ(next(RigRefinement::kAllButFocal, kLogFocal, one), RigRefinement::kAllButFocal);
 }
 
-// Eight stretches, each as sure as the prior, whose estimates of parameters before `ending` lie
-// `times` as far apart as their noise would have them, the others' as far.
-CalibrationEquations Scattered(int ending, double times, const CalibrationPrior& prior) {
-  constexpr int kBlocks = 8;
-  CalibrationEquations equations;
-  for (int stretch = 0; stretch < kBlocks; ++stretch) {
-    CalibrationBlock block;
-    block.information.diagonal() = prior.sigmas.cwiseAbs2().cwiseInverse();
-    const double noise = (stretch % 2 == 0 ? 1.0 : -1.0) * std::sqrt((kBlocks - 1.0) / kBlocks);
-    for (int i = 0; i < kCalibrationSize; ++i) {
-      block.score(i) = (i < ending ? times : 1.0) * noise / prior.sigmas(i);
-    }
-    equations.stretches.push_back(block);
-  }
-  equations.AddUp();
-  equations.score_covariance = equations.information;
-  return equations;
-}
-
-TEST(Inflation, IsUpToThatOfPosesWhereStretchesContradictEachOtherInMost) {
-  const AdjustmentOptions options{.shared_noise = 4.0};  // 16 times for poses, six for the rest
-  const CalibrationPrior prior = PriorOf(LocCamRig(), options);
-  const auto inflation = [&](int ending, double times) {
-    CalibrationEquations equations = Scattered(ending, times, prior);
-    const double by_stretches = Inflation(equations, options);
-    std::swap(equations.regions, equations.stretches);
-    EXPECT_NEAR(Inflation(equations, options), by_stretches, 1e-9);
-    return by_stretches;
-  };
-  EXPECT_NEAR(inflation(0, 1.0), 6.0, 1e-9);
-  EXPECT_NEAR(inflation(kCalibrationSize, 3.0), 1.5 * 9.0, 1e-9);
-  EXPECT_NEAR(inflation(kCalibrationSize, 5.0), 16.0, 1e-9);
-  EXPECT_NEAR(inflation(1, 100.0), 6.0, 1e-9) << "a single parameter";
-}
-
-TEST(Inflation, CountsWhatTracksDoNotShowOnlyWithSharedNoise) {
-  const AdjustmentOptions none{.shared_noise = 1.0}, usual{.shared_noise = 2.0};
-  const CalibrationPrior prior = PriorOf(LocCamRig(), none);
-  CalibrationEquations equations = Scattered(0, 1.0, prior);
-  EXPECT_NEAR(Inflation(equations, usual), 2.0, 1e-9);
-  EXPECT_NEAR(InflationOfPoses(equations, usual), 4.0, 1e-9);
-  equations.coherent = 5.0;
-  EXPECT_NEAR(Inflation(equations, usual), 7.0, 1e-9);
-  EXPECT_NEAR(Inflation(equations, none), 1.0, 1e-9);
-  equations.score_covariance *= 3.0;
-  EXPECT_NEAR(Inflation(equations, usual), 11.0, 1e-9);
-  EXPECT_NEAR(InflationOfPoses(equations, usual), 12.0, 1e-9);
-}
-
 TEST(MostProbable, FarOutThePriorHardlyPullsAtTheFocalLength) {
   const AdjustmentOptions options{.shared_noise = 1.0};
   const CalibrationPrior prior = PriorOf(LocCamRig(), options);
