@@ -17,11 +17,12 @@ OptionFields ResidualFields(AdjustmentOptions& o) {
       {"min_noise_px", &o.min_noise_px, "px", MoreThan(0.0),
        "Least sigma of an observation, whatever the residuals say."},
       {"shared_noise", &o.shared_noise, "", AtLeast(1.0),
-       "Sigmas of poses and rig grow by this factor, beside what the residuals of whole tracks "
-       "say: noise that all observations of a frame share (windows that are drawn aside by the "
-       "same perspective, relief within them) leaves no trace in residuals. With 2 the squared "
-       "errors of simulated drives, over the variances stated, are 0.7 to 1.3 by kind of drive "
-       "(tools/sigmas)."},
+       "Sigmas of poses grow by this factor, beside what the residuals of whole tracks say: noise "
+       "that all observations of a frame share (windows that are drawn aside by the same "
+       "perspective, relief within them) leaves no trace in residuals. Variances of the rig's "
+       "calibration grow by a third of what it adds to those of poses, and by what all windows "
+       "have in common. With 2 the squared errors of simulated drives, over the variances stated, "
+       "are 0.7 to 1.2 by kind of drive (tools/sigmas)."},
       {"max_depth_baselines", &o.max_depth_baselines, "baselines", MoreThan(0.0),
        "Points further away are left out: they have less than a pixel of disparity and hardly move "
        "the result."},

@@ -79,13 +79,6 @@ CalibrationMatrix HeavyTailed(const CalibrationPrior& prior, const CalibrationVe
   return information;
 }
 
-double Inflation(const CalibrationEquations& equations, const AdjustmentOptions& options) {
-  const CalibrationMatrix ratio = equations.information.ldlt().solve(equations.score_covariance);
-  const double mean = ratio.diagonal().mean();
-  return (std::isfinite(mean) ? std::max(1.0, mean) : 1.0) * options.shared_noise *
-         options.shared_noise;
-}
-
 CalibrationPrior AsGoodAsFound(const CalibrationPrior& prior, const CalibrationVector& now,
                                const CalibrationEquations& equations,
                                const AdjustmentOptions& options) {
@@ -116,9 +109,15 @@ std::optional<ProbableCorrection> MostProbable(RigRefinement refined, const Cali
                                                const CalibrationEquations& equations,
                                                const CalibrationPrior& prior,
                                                const AdjustmentOptions& options) {
+  return MostProbable(refined, now, equations, prior, Inflation(equations, options));
+}
+
+std::optional<ProbableCorrection> MostProbable(RigRefinement refined, const CalibrationVector& now,
+                                               const CalibrationEquations& equations,
+                                               const CalibrationPrior& prior, double inflation) {
   const CalibrationVector freed = FreedBy(refined);
-  const CalibrationSystem system = SystemOf(freed, now, equations.score, equations.information,
-                                            Inflation(equations, options), prior);
+  const CalibrationSystem system =
+      SystemOf(freed, now, equations.score, equations.information, inflation, prior);
   ProbableCorrection found{system.Solution(), system.matrix.inverse()};
   if (!found.correction.allFinite() || !found.covariance.allFinite()) return std::nullopt;
   found.covariance = freed.asDiagonal() * found.covariance * freed.asDiagonal();
@@ -132,7 +131,7 @@ std::optional<LeftOutGain> GainOfRefining(RigRefinement from, RigRefinement to,
                                           const CalibrationPrior& prior,
                                           const AdjustmentOptions& options) {
   if (blocks.size() < kMinBlocks) return std::nullopt;
-  const double inflation = Inflation(equations, options);
+  const double inflation = InflationOfPoses(equations, options);
   LeftOutGain found{.blocks = static_cast<int>(blocks.size())};
   for (const CalibrationBlock& left_out : blocks) {
     const auto gain_of = [&](RigRefinement refined) {

@@ -32,9 +32,12 @@ struct CalibrationStep {
 std::optional<CalibrationStep> RotationAndFocalStep(const CalibrationEquations& equations);
 
 // How many times as uncertain (variance) as independent observations would leave them the equations
-// are: because residuals of one track go together, and because of noise that all tracks of a frame
-// share.
+// are: because residuals of one track go together, because of noise that tracks share, because
+// stretches or regions contradict each other by more than that, and because of what all windows
+// have in common.
 double Inflation(const CalibrationEquations& equations, const AdjustmentOptions& options);
+// By the first two of these, the second as it counts for poses.
+double InflationOfPoses(const CalibrationEquations& equations, const AdjustmentOptions& options);
 
 // Where the right eye sees what the left one sees at `left` if it is infinitely far; nothing where
 // either lens model has no such ray.
@@ -75,6 +78,10 @@ std::optional<ProbableCorrection> MostProbable(RigRefinement refined, const Cali
                                                const CalibrationEquations& equations,
                                                const CalibrationPrior& prior,
                                                const AdjustmentOptions& options);
+// The same with another inflation than Inflation's.
+std::optional<ProbableCorrection> MostProbable(RigRefinement refined, const CalibrationVector& now,
+                                               const CalibrationEquations& equations,
+                                               const CalibrationPrior& prior, double inflation);
 
 // Mean square error of the calibration at the correction `now`, in which the parameters of
 // `refined` are free: what the part and the prior leave unknown, and how far the most probable
@@ -97,8 +104,8 @@ CalibrationMatrix CalibrationErrorElsewhere(RigRefinement refined, const Calibra
                                             const AdjustmentOptions& options);
 
 // How much better blocks of the observations fit a rig that is corrected from all the others: half
-// the decrease of their weighted squares, in units of what chance gives (the inflation of the
-// noise).
+// the decrease of their weighted squares, in units of what chance gives (InflationOfPoses: in
+// doubt, parameters are held).
 struct LeftOutGain {
   double sum = 0.0;  // over all blocks
   int blocks = 0;

@@ -33,12 +33,6 @@ double ScaleOf(const std::vector<std::optional<Rigid3>>& left_from_world,
   return squares > 0.0 ? products / squares : 0.0;
 }
 
-// As if residuals were what their noise says.
-CalibrationEquations Independent(CalibrationEquations equations) {
-  equations.score_covariance = equations.information;
-  return equations;
-}
-
 }  // namespace
 
 DriftEffect EffectOfDrift(Linearisation at, const CalibrationEquations& equations,
@@ -46,14 +40,13 @@ DriftEffect EffectOfDrift(Linearisation at, const CalibrationEquations& equation
                           const CalibrationPrior& prior, const AdjustmentOptions& options) {
   at.field = nullptr;  // held: pixels have been moved by it
   at.drift_sigma_px = kDriftSigmaPx;
-  auto solution = SolveCalibration(at);
+  const auto solution = SolveCalibration(at);
   if (!solution) return {};
-  // The prior weighs as much as it does without drift.
-  solution->equations.score_covariance = Inflation(equations, options) /
-                                         Inflation(Independent(equations), options) *
-                                         solution->equations.information;
   DriftEffect effect{.poses = std::vector<Vector6d>(at.left_from_world.size(), Vector6d::Zero())};
-  if (const auto better = MostProbable(refined, correction, solution->equations, prior, options)) {
+  // The prior weighs as much as it does without drift.
+  const double inflation = Inflation(equations, options);
+  if (const auto better =
+          MostProbable(refined, correction, solution->equations, prior, inflation)) {
     effect.calibration = better->correction - correction;
   }
   for (std::size_t i = 0; i < at.left_from_world.size(); ++i) {

@@ -91,7 +91,8 @@ bool LensDescription::Begin(const Linearisation& at, const AdjustmentOptions& op
   if (options.lens_field_px == 0.0) return false;
   const auto solution = SolveCalibration(at);
   if (!solution) return false;
-  inflation_ = Inflation(solution->equations, options);
+  // What stretches and regions contradict each other by is what a field is asked to mend.
+  inflation_ = InflationOfPoses(solution->equations, options);
   SetSigma(0.5 * options.lens_field_px);
   Linearisation with_field = at;
   with_field.field = &field_;

@@ -24,16 +24,19 @@ double HalfOfExpectedGain(double asked, const ProbableCorrection& all) {
 // is not followed, however little it is, because the lens is known to differ from its model. Where
 // the former agree, if not by enough to follow them, what is asked for is known as it says.
 bool IsFocalRejected(RigRefinement refined, const CalibrationVector& now,
-                     const ProbableCorrection& all, const CalibrationEquations& equations,
-                     const CalibrationPrior& prior, const AdjustmentOptions& options) {
+                     const CalibrationEquations& equations, const CalibrationPrior& prior,
+                     const AdjustmentOptions& options) {
   constexpr double kConflictSigmas = 2.0;
   if (refined != RigRefinement::kAllButFocal || options.refine_rig != RigRefinement::kAuto) {
     return false;
   }
   if (equations.HasField()) return true;
-  const double asked = std::abs(all.correction(kLogFocal) - now(kLogFocal));
-  if (asked <= kConflictSigmas * std::sqrt(all.covariance(kLogFocal, kLogFocal))) return false;
-  const double least_gain = HalfOfExpectedGain(asked, all);
+  const auto all = MostProbable(RigRefinement::kAll, now, equations, prior,
+                                InflationOfPoses(equations, options));
+  if (!all) return false;
+  const double asked = std::abs(all->correction(kLogFocal) - now(kLogFocal));
+  if (asked <= kConflictSigmas * std::sqrt(all->covariance(kLogFocal, kLogFocal))) return false;
+  const double least_gain = HalfOfExpectedGain(asked, *all);
   const auto contradicts = [&](const std::vector<CalibrationBlock>& blocks) {
     const auto gain =
         GainOfRefining(refined, RigRefinement::kAll, now, equations, blocks, prior, options);
@@ -47,9 +50,8 @@ bool IsFocalRejected(RigRefinement refined, const CalibrationVector& now,
 // about the prior's mean, what one region alone tells would go back to the file without it, and
 // take the focal length along, though all agree.
 double FocalVarianceOverRegions(const CalibrationVector& now, const CalibrationEquations& equations,
-                                const CalibrationPrior& prior, const AdjustmentOptions& options) {
+                                const CalibrationPrior& prior, double inflation) {
   const auto count = static_cast<double>(equations.regions.size());
-  const double inflation = Inflation(equations, options);
   const CalibrationMatrix prior_information = inflation * HeavyTailed(prior, now);
   const CalibrationVector told = equations.information.ldlt().solve(equations.score);
   double sum = 0.0, squares = 0.0;
@@ -105,8 +107,9 @@ CalibrationMatrix CalibrationError(RigRefinement refined, const CalibrationVecto
   const double variance = all->covariance(kLogFocal, kLogFocal);
   const CalibrationMatrix by_focal = following * following.transpose();
   const CalibrationMatrix held = all->covariance - variance * by_focal;
-  if (!IsFocalRejected(refined, now, *all, equations, prior, options)) {
-    const double unlike = FocalVarianceOverRegions(now, equations, prior, options);
+  if (!IsFocalRejected(refined, now, equations, prior, options)) {
+    const double unlike =
+        FocalVarianceOverRegions(now, equations, prior, Inflation(equations, options));
     return held + std::max(variance, unlike) * by_focal + off * off.transpose();
   }
   const CalibrationVector off_held = off - off(kLogFocal) * following;
@@ -127,7 +130,7 @@ CalibrationMatrix CalibrationErrorElsewhere(RigRefinement refined, const Calibra
                                             const AdjustmentOptions& options) {
   CalibrationMatrix error = CalibrationError(refined, now, equations, prior, options);
   const auto all = MostProbable(RigRefinement::kAll, now, equations, prior, options);
-  if (!all || !IsFocalRejected(refined, now, *all, equations, prior, options)) return error;
+  if (!all || !IsFocalRejected(refined, now, equations, prior, options)) return error;
   CalibrationVector followed =
       (all->correction(kLogFocal) - now(kLogFocal)) * FollowingFocal(all->covariance);
   followed(kLogFocal) = 0.0;
@@ -142,7 +145,8 @@ RigRefinement NextRefinement(RigRefinement refined, const CalibrationVector& now
   if (refined == RigRefinement::kAll) return refined;
   const RigRefinement next =
       refined == RigRefinement::kNone ? RigRefinement::kAllButFocal : RigRefinement::kAll;
-  const auto correction = MostProbable(next, now, equations, prior, options);
+  const double inflation = InflationOfPoses(equations, options);
+  const auto correction = MostProbable(next, now, equations, prior, inflation);
   if (!correction) return refined;
   double least_gain = 0.5 * options.refine_sigmas * options.refine_sigmas;
   const double asked = std::abs(correction->correction(kLogFocal) - now(kLogFocal));
@@ -164,7 +168,7 @@ RigRefinement NextRefinement(RigRefinement refined, const CalibrationVector& now
     const auto gain =
         GainOfRefining(refined, next, now, equations, equations.regions, prior, options);
     if (!gain) return false;
-    const double sigma = std::sqrt(FocalVarianceOverRegions(now, equations, prior, options));
+    const double sigma = std::sqrt(FocalVarianceOverRegions(now, equations, prior, inflation));
     spdlog::info("a focal length other by {:.3f} %: regions left out gain {:.1f}, sigma {:.3f} %",
                  100.0 * asked, gain->sum, 100.0 * sigma);
     return gain->sum > least_gain && asked > options.refine_sigmas * sigma;

@@ -80,6 +80,9 @@ struct CalibrationEquations {
   CalibrationMatrix information = CalibrationMatrix::Zero();  // as if observations were independent
   // Of the score, residuals of one track going together as they will.
   CalibrationMatrix score_covariance = CalibrationMatrix::Zero();
+  // What all windows have in common adds to the score's covariance, in units of the information: it
+  // does not become less with their number.
+  double coherent = 0.0;
   // Score and information by stretches of about equally many frames, in order, and by regions of
   // the image: the sums of either, with what the prior of a field of the lens says that follows the
   // calibration, are those of the whole.
@@ -97,7 +100,7 @@ struct CalibrationEquations {
 
   template <class Archive>
   void serialize(Archive& archive) {
-    archive(score, information, score_covariance, stretches, regions, of_field);
+    archive(score, information, score_covariance, coherent, stretches, regions, of_field);
   }
 };
 

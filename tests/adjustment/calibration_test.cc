@@ -321,6 +321,74 @@ TEST(NextRefinement, OneStretchOfSixMayShowSomethingElse) {
   EXPECT_EQ(next(RigRefinement::kAllButFocal, kLogFocal, one), RigRefinement::kAllButFocal);
 }
 
+// Blocks, each as sure as the prior, whose estimates of parameters before `ending` lie `times` as
+// far apart as their noise would have them, the others' as far.
+std::vector<CalibrationBlock> Scattered(int count, int ending, double times,
+                                        const CalibrationPrior& prior) {
+  std::vector<CalibrationBlock> blocks(count);
+  double sign = std::sqrt((count - 1.0) / count);
+  for (CalibrationBlock& block : blocks) {
+    block.information.diagonal() = prior.sigmas.cwiseAbs2().cwiseInverse();
+    for (int i = 0; i < kCalibrationSize; ++i) {
+      block.score(i) = (i < ending ? times : 1.0) * sign / prior.sigmas(i);
+    }
+    sign = -sign;
+  }
+  return blocks;
+}
+
+CalibrationEquations WithBlocks(std::vector<CalibrationBlock> stretches,
+                                std::vector<CalibrationBlock> regions) {
+  CalibrationEquations equations;
+  equations.stretches = std::move(stretches);
+  equations.regions = std::move(regions);
+  equations.AddUp();
+  equations.score_covariance = equations.information;
+  return equations;
+}
+
+TEST(Inflation, IsUpToThatOfPosesWhereStretchesContradictEachOtherInMost) {
+  const AdjustmentOptions options{.shared_noise = 4.0};  // 16 times for poses, six for the rest
+  const CalibrationPrior prior = PriorOf(LocCamRig(), options);
+  const auto inflation = [&](int ending, double times) {
+    const auto agreeing = Scattered(8, 0, 1.0, prior), other = Scattered(8, ending, times, prior);
+    const double by_stretches = Inflation(WithBlocks(other, agreeing), options);
+    EXPECT_NEAR(Inflation(WithBlocks(agreeing, other), options), by_stretches, 1e-9);
+    return by_stretches;
+  };
+  EXPECT_NEAR(inflation(0, 1.0), 6.0, 1e-9);
+  EXPECT_NEAR(inflation(kCalibrationSize, 3.0), 1.5 * 9.0, 1e-9);
+  EXPECT_NEAR(inflation(kCalibrationSize, 5.0), 16.0, 1e-9);
+  EXPECT_NEAR(inflation(1, 100.0), 6.0, 1e-9) << "a single parameter";
+}
+
+TEST(Inflation, IsThatOfPosesWhereStretchesAreTooFewToAgree) {
+  const AdjustmentOptions options{.shared_noise = 2.0};
+  const CalibrationPrior prior = PriorOf(LocCamRig(), options);
+  const auto regions = Scattered(8, 0, 1.0, prior);
+  const auto inflation = [&](int stretches) {
+    return Inflation(WithBlocks(Scattered(stretches, 0, 1.0, prior), regions), options);
+  };
+  EXPECT_NEAR(inflation(8), 2.0, 1e-9);
+  EXPECT_NEAR(inflation(7), 4.0, 1e-9);
+  EXPECT_NEAR(inflation(0), 4.0, 1e-9);
+}
+
+TEST(Inflation, CountsWhatTracksDoNotShowOnlyWithSharedNoise) {
+  const AdjustmentOptions none{.shared_noise = 1.0}, usual{.shared_noise = 2.0};
+  const CalibrationPrior prior = PriorOf(LocCamRig(), none);
+  const auto agreeing = Scattered(8, 0, 1.0, prior);
+  CalibrationEquations equations = WithBlocks(agreeing, agreeing);
+  EXPECT_NEAR(Inflation(equations, usual), 2.0, 1e-9);
+  EXPECT_NEAR(InflationOfPoses(equations, usual), 4.0, 1e-9);
+  equations.coherent = 5.0;
+  EXPECT_NEAR(Inflation(equations, usual), 7.0, 1e-9);
+  EXPECT_NEAR(Inflation(equations, none), 1.0, 1e-9);
+  equations.score_covariance *= 3.0;
+  EXPECT_NEAR(Inflation(equations, usual), 11.0, 1e-9);
+  EXPECT_NEAR(InflationOfPoses(equations, usual), 12.0, 1e-9);
+}
+
 TEST(MostProbable, FarOutThePriorHardlyPullsAtTheFocalLength) {
   const AdjustmentOptions options{.shared_noise = 1.0};
   const CalibrationPrior prior = PriorOf(LocCamRig(), options);
