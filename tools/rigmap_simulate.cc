@@ -37,6 +37,12 @@ struct Arguments {
   bool force = false, quiet = false, rig_only = false;
 };
 
+// Else CLI11 takes -1 for the largest number there is. Its way to say that all is well: "".
+std::string RequireNoSign(const std::string& number) {
+  if (!number.starts_with('-')) return "";
+  return fmt::format("expected a whole number of 0 or more, found {}", number);
+}
+
 void AddOptions(CLI::App& app, Arguments& a) {
   SimulationRequest& r = a.request;
   app.add_option("--scene", r.scene, fmt::format("{}", fmt::join(kSceneNames, ", ")))->required();
@@ -46,7 +52,9 @@ void AddOptions(CLI::App& app, Arguments& a) {
                  "Metres from pair to pair: 0.2 as in Katwijk's traverse "
                  "3, 0.63 as in 1 and 2")
       ->required();
-  app.add_option("--seed", r.seed, "Equal seeds give equal bytes")->required();
+  app.add_option("--seed", r.seed, "Equal seeds give equal bytes")
+      ->required()
+      ->check(CLI::Validator(RequireNoSign, ""));
   app.add_option("--fault", r.faults, "NAME=VALUE, see below; may be repeated")
       ->allow_extra_args(false);
   app.add_option("--out", a.out, "Folder for data/ and truth/")->required();

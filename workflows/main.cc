@@ -28,6 +28,7 @@
 #include "workflows/recipes.h"
 #include "workflows/reconstruct_part.h"
 #include "workflows/report.h"
+#include "workflows/shell_word.h"
 #include "workflows/verdict_lines.h"
 
 namespace rigmap {
@@ -215,7 +216,7 @@ int Main(int argc, char** argv) {
     }
   }
   std::string command;
-  for (int i = 0; i < argc; ++i) command += fmt::format("{}{}", i ? " " : "", argv[i]);
+  for (int i = 0; i < argc; ++i) command += (i ? " " : "") + ShellWord(argv[i]);
   if (small.Run()) return 0;
   if (planning->parsed()) {
     PrintResult(PrintPlan(plan));

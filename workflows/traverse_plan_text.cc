@@ -4,6 +4,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "workflows/shell_word.h"
 #include "workflows/traverse_plan.h"
 
 namespace rigmap {
@@ -63,17 +64,6 @@ int Minutes(const PartJob& job, int threads) {
   return static_cast<int>(std::ceil(EstimatedSeconds(job, threads) / 60.0));
 }
 
-// For a shell, between single quotes.
-std::string Quoted(const std::string& word) {
-  std::string text(1, '\'');
-  for (const char c : word) {
-    if (c == '\'') text.append("'\\'");  // ends the quotes, a quote, and they begin anew
-    text.push_back(c);
-  }
-  text.push_back('\'');
-  return text;
-}
-
 }  // namespace
 
 Json ToJson(const TraversePlan& plan, const PlanRequest& request) {
@@ -124,7 +114,7 @@ std::string WriteSbatch(const TraversePlan& plan, const PlanRequest& request,
     text += fmt::format("# Part {} is left out: {}\n", part.name, part.remarks.back());
   }
   text += "set -eu\nOUT=${OUT:-$SLURM_SUBMIT_DIR/rigmap-out}\nnames=(";
-  for (const PartJob& job : plan.jobs) text += fmt::format(" {}", Quoted(job.name));
+  for (const PartJob& job : plan.jobs) text += fmt::format(" {}", ShellWord(job.name));
   text += " )\ncase $SLURM_ARRAY_TASK_ID in\n";
   for (std::size_t i = 0; i < plan.jobs.size(); ++i) {
     text += fmt::format("{}) arguments=(", i);
@@ -132,12 +122,12 @@ std::string WriteSbatch(const TraversePlan& plan, const PlanRequest& request,
     if (const auto& truth = plan.jobs[i].truth) {
       words.insert(words.end(), {"--truth", std::filesystem::absolute(*truth).string()});
     }
-    for (const std::string& word : words) text += fmt::format(" {}", Quoted(word));
+    for (const std::string& word : words) text += fmt::format(" {}", ShellWord(word));
     text += " ) ;;\n";
   }
   text += "esac\nname=${names[$SLURM_ARRAY_TASK_ID]}\nmkdir -p \"$OUT/parts\"\n";
   std::string more;
-  for (const std::string& word : part_arguments) more += fmt::format(" {}", Quoted(word));
+  for (const std::string& word : part_arguments) more += fmt::format(" {}", ShellWord(word));
   // 3: made, and not to be trusted, which the join will say as well.
   text += fmt::format(
       "rigmap part \"${{arguments[@]}}\" --threads {} --memory {}{} --quiet \\\n"

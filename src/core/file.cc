@@ -57,6 +57,19 @@ void WriteTo(std::ofstream& stream, const std::filesystem::path& path,
   }
 }
 
+// /dev/null is an empty file to many; /dev/zero has no end.
+std::string ReadDevice(std::istream& stream, const std::filesystem::path& path) {
+  constexpr std::size_t kMostBytes = 1 << 20;
+  std::string content(kMostBytes + 1, '\0');
+  stream.read(content.data(), static_cast<std::streamsize>(content.size()));
+  content.resize(static_cast<std::size_t>(stream.gcount()));
+  if (content.size() > kMostBytes) {
+    throw DataError(
+        fmt::format("{}: expected a file, found a device without an end", path.string()));
+  }
+  return content;
+}
+
 }  // namespace
 
 std::string ReadBytes(const std::filesystem::path& path) {
@@ -65,6 +78,7 @@ std::string ReadBytes(const std::filesystem::path& path) {
     throw DataError(fmt::format("{}: expected a file, found a folder", path.string()));
   }
   std::ifstream stream(path, std::ios::binary);
+  if (stream && std::filesystem::is_character_file(path, ignored)) return ReadDevice(stream, path);
   std::ostringstream text;
   if (stream) text << stream.rdbuf();
   if (!stream) {

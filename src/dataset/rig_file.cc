@@ -132,7 +132,7 @@ void ReadDistortion(const YamlNode& eye, Camera& camera) {
   camera.k3 = numbers[4];
   if (pinhole && !camera.IsPinhole()) {
     throw Complaint(distortion, fmt::format("expected no distortion for model PINHOLE, found [{}]",
-                                            fmt::join(numbers, ", ")));
+                                            fmt::join(distortion.AsDoubles(kOpenCvNumbers), ", ")));
   }
 }
 

@@ -1,11 +1,14 @@
 #include "imaging/mask.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
+#include "core/error.h"
 #include "imaging/image.h"
 
 namespace rigmap {
@@ -118,7 +121,13 @@ cv::Mat StaticMask(const RigEye& eye) {
     region &= cv::Rect(cv::Point(r.x0, r.y0), cv::Point(r.x1 + 1, r.y1 + 1));
   }
   mask(region).setTo(255);
-  if (!eye.mask_path.empty()) mask.setTo(0, ReadGrey(eye.mask_path, eye.camera, kMaskBits) == 0);
+  if (eye.mask_path.empty()) return mask;
+  mask.setTo(0, ReadGrey(eye.mask_path, eye.camera, kMaskBits) == 0);
+  if (cv::countNonZero(mask) == 0) {
+    throw DataError(fmt::format(
+        "{}: expected a mask that is zero where nothing is to be used, found nothing else{}",
+        eye.mask_path, eye.calibrated_region ? " in the calibrated region" : ""));
+  }
   return mask;
 }
 

@@ -54,43 +54,54 @@ CalibrationVector DrawnError(const StereoRig& rig, std::uint64_t seed) {
 
 template <int kTimes>
 void AddDrawnError(StereoRig& rig, double seed) {
-  rig = Corrected(rig, kTimes * DrawnError(rig, static_cast<std::uint64_t>(std::abs(seed))));
+  rig = Corrected(rig, kTimes * DrawnError(rig, static_cast<std::uint64_t>(seed)));
 }
 
 struct RigError {
   std::string_view name, meaning;
   void (*apply)(StereoRig& rig, double value);
+  double least, most;
+  bool is_whole = false;
 };
 
+constexpr double kMostDegrees = 45.0, kMostPx = 10'000.0, kMostSeed = 1e15;
+
 constexpr std::array<RigError, 13> kRigErrors{{
-    {"turn-x", "degrees that the right eye is turned about its x axis (pitch)", &TurnRightEye<0>},
-    {"turn-y", "about its y axis (yaw)", &TurnRightEye<1>},
-    {"turn-z", "about its z axis (roll)", &TurnRightEye<2>},
+    {"turn-x", "degrees that the right eye is turned about its x axis (pitch)", &TurnRightEye<0>,
+     -kMostDegrees, kMostDegrees},
+    {"turn-y", "about its y axis (yaw)", &TurnRightEye<1>, -kMostDegrees, kMostDegrees},
+    {"turn-z", "about its z axis (roll)", &TurnRightEye<2>, -kMostDegrees, kMostDegrees},
     {"left-cx", "px, principal point of the left eye",
-     [](StereoRig& rig, double px) { rig.left.camera.cx += px; }},
-    {"left-cy", "", [](StereoRig& rig, double px) { rig.left.camera.cy += px; }},
+     [](StereoRig& rig, double px) { rig.left.camera.cx += px; }, -kMostPx, kMostPx},
+    {"left-cy", "", [](StereoRig& rig, double px) { rig.left.camera.cy += px; }, -kMostPx, kMostPx},
     {"right-cx", "px, of the right eye",
-     [](StereoRig& rig, double px) { rig.right.camera.cx += px; }},
-    {"right-cy", "", [](StereoRig& rig, double px) { rig.right.camera.cy += px; }},
-    {"focal", "per cent, focal lengths of both eyes", &ScaleFocals},
-    {"aspect", "per cent, fy / fx of both eyes, fx alone being wrong", &SquashPixels},
+     [](StereoRig& rig, double px) { rig.right.camera.cx += px; }, -kMostPx, kMostPx},
+    {"right-cy", "", [](StereoRig& rig, double px) { rig.right.camera.cy += px; }, -kMostPx,
+     kMostPx},
+    {"focal", "per cent, focal lengths of both eyes", &ScaleFocals, -90.0, 900.0},
+    {"aspect", "per cent, fy / fx of both eyes, fx alone being wrong", &SquashPixels, -90.0, 900.0},
     {"k1", "first coefficient of radial distortion, both eyes",
      [](StereoRig& rig, double k1) {
        rig.left.camera.k1 += k1;
        rig.right.camera.k1 += k1;
-     }},
+     },
+     -1.0, 1.0},
     {"drawn", "all but the baseline, as rigmap expects them of a rig file; the value is a seed",
-     &AddDrawnError<1>},
-    {"drawn-double", "the same, twice as large", &AddDrawnError<2>},
-    {"baseline", "per cent, length of the baseline: no gate can see it", &ScaleBaseline},
+     &AddDrawnError<1>, 0.0, kMostSeed, true},
+    {"drawn-double", "the same, twice as large", &AddDrawnError<2>, 0.0, kMostSeed, true},
+    {"baseline", "per cent, length of the baseline: no gate can see it", &ScaleBaseline, -90.0,
+     900.0},
 }};
 
-double ParseValue(const std::string& spec, std::string_view text) {
+double ParseValue(const RigError& error, const std::string& spec, std::string_view text) {
   double value = 0.0;
   const auto result = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (result.ec != std::errc() || result.ptr != text.data() + text.size() ||
-      !std::isfinite(value)) {
-    throw UsageError(fmt::format("--rig-error {}: expected a number, found '{}'", spec, text));
+  const bool is_number = result.ec == std::errc() && result.ptr == text.data() + text.size();
+  if (!is_number || !(value >= error.least && value <= error.most) ||
+      (error.is_whole && value != std::floor(value))) {
+    throw UsageError(fmt::format("--rig-error {}: expected a {}number from {} to {}, found '{}'",
+                                 spec, error.is_whole ? "whole " : "", error.least, error.most,
+                                 text));
   }
   return value;
 }
@@ -115,7 +126,8 @@ StereoRig WithRigErrors(const StereoRig& rig, std::span<const std::string> specs
       throw UsageError(fmt::format("--rig-error {}: expected NAME=VALUE", spec));
     }
     const std::string_view all = spec;
-    Named(spec, all.substr(0, equals)).apply(told, ParseValue(spec, all.substr(equals + 1)));
+    const RigError& error = Named(spec, all.substr(0, equals));
+    error.apply(told, ParseValue(error, spec, all.substr(equals + 1)));
   }
   return told;
 }

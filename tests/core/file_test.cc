@@ -45,6 +45,12 @@ TEST(FileTest, AByteOrderMarkIsNoText) {
   EXPECT_EQ(ReadTextFile(folder.Write("other.txt", "1 \xEF\xBB\xBF")), "1 \xEF\xBB\xBF");
 }
 
+TEST(ReadTextFile, ADeviceWithoutAnEndIsRefused) {
+  EXPECT_EQ(ReadTextFile("/dev/null"), "");
+  EXPECT_THAT(MessageOf<DataError>([] { ReadTextFile("/dev/zero"); }),
+              HasSubstr("/dev/zero: expected a file"));
+}
+
 TEST(FileTest, ThrowingWriterLeavesTheOldFileAndNothingElse) {
   const TemporaryFolder folder;
   const auto path = folder.Write("file.txt", "old");

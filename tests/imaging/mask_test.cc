@@ -1,11 +1,13 @@
 #include "imaging/mask.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "core/error.h"
+#include "tests/support/message_of.h"
 #include "tests/support/seeded_random.h"
 #include "tests/support/temporary_folder.h"
 
@@ -67,6 +69,15 @@ TEST(StaticMask, LeavesOutZeroPixelsOfTheMaskFile) {
   EXPECT_EQ(cv::norm(mask == 255, file == 1, cv::NORM_INF), 0.0);
   eye.camera.width = 41;
   EXPECT_THROW(StaticMask(eye), DataError);
+}
+
+TEST(StaticMask, ThatLeavesNothingIsRefusedByName) {
+  const TemporaryFolder folder;
+  RigEye eye = EyeOf(40, 30);
+  eye.mask_path = folder.Path() / "mask.png";
+  cv::imwrite(eye.mask_path, cv::Mat::zeros(30, 40, CV_8UC1));
+  EXPECT_THAT(MessageOf<DataError>([&] { StaticMask(eye); }),
+              testing::HasSubstr("mask.png: expected a mask that is zero where"));
 }
 
 TEST(UsableMask, LeavesOutSaturatedAreasButNotGlints) {

@@ -72,6 +72,10 @@ TEST(RigErrors, NonsenseIsRefusedByName) {
   EXPECT_THAT(MessageOf<UsageError>([] { With("focal"); }), HasSubstr("NAME=VALUE"));
   EXPECT_THAT(MessageOf<UsageError>([] { With("focal=1x"); }), HasSubstr("'1x'"));
   EXPECT_THAT(MessageOf<UsageError>([] { With("focal=nan"); }), HasSubstr("'nan'"));
+  for (const char* spec : {"turn-y=400", "focal=-100", "baseline=-150", "k1=1e6", "drawn=-1"}) {
+    EXPECT_THAT(MessageOf<UsageError>([&] { With(spec); }), HasSubstr("number from")) << spec;
+  }
+  EXPECT_THAT(MessageOf<UsageError>([] { With("drawn=2.5"); }), HasSubstr("whole number"));
   EXPECT_THAT(DescribeRigErrorNames(), HasSubstr("baseline"));
 }
 

@@ -85,6 +85,7 @@ TEST_F(SimulateCommandLine, WrongUsageEndsWithTwo) {
   EXPECT_THAT(Fails(2, With("--pairs", "many")), HasSubstr("--pairs"));
   EXPECT_THAT(Fails(2, With("--spacing", "-1")), HasSubstr("spacing"));
   EXPECT_THAT(Fails(2, With("--seed", "x")), HasSubstr("--seed"));
+  EXPECT_THAT(Fails(2, With("--seed", "-1")), HasSubstr("expected a whole number of 0 or more"));
   for (const auto& [more, words] : {std::pair{std::vector<std::string>{"--fault", "fog=1"}, "fog"},
                                     {{"--fault", "dropped=99"}, "dropped"},
                                     {{"--fault", "dropped"}, "dropped"},
