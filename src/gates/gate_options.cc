@@ -53,7 +53,7 @@ OptionFields AdjustmentGateOptions::Fields() {
        "and poses contradict each other."},
       {"outlier_share", &outlier_share, "", MoreThan(0.0),
        "Share of observations that the adjustment dropped. Verified matches of a healthy part "
-       "lose up to a tenth; at three tenths good and bad can no longer be told apart safely."},
+       "lose up to an eighth; at three tenths good and bad can no longer be told apart safely."},
   };
 }
 

@@ -24,8 +24,8 @@ bool IsWholeImage(const std::filesystem::path& path);
 
 // All read PNG, JPEG, PGM, PPM and TIFF of 8 or 16 bit, as the pixels lie in the file: orientation
 // flags are ignored, because the calibration knows nothing of them. Values of 16 bit files are
-// scaled to 8 bit by a fixed factor, so that brightness stays comparable between frames: by 1/256,
-// or by 1/16 where `sample_bits` says that the part's files hold the values of a 12 bit sensor. An
+// scaled to 8 bit by a fixed factor, 2^(8 - sample_bits), so that brightness stays comparable
+// between frames: by 1/256, or by 1/16 where the part's files hold values of a 12 bit sensor. An
 // alpha channel is dropped.
 //
 // Throw UnreadableImage when there is a file that cannot be decoded or lacks its end, DataError
@@ -41,8 +41,9 @@ cv::Mat ReadGrey(const std::string& path, const Camera& camera, int sample_bits 
 // CV_8UC3, BGR; grey files give grey.
 cv::Mat ReadColour(const std::string& path, const Camera& camera, int sample_bits = 16);
 
-// How many bits the values of a 16 bit file need, 10, 12, 14 or 16: 12 where none exceeds 4095, as
-// in those of a 12 bit sensor and in dark ones of 16 bit: one file does not tell which. Nothing for
+// How many bits the values of a 16 bit file need, 10, 12, 14 or 16: 12 where the largest is from
+// 1024 to 4095, as in those of a 12 bit sensor and in dark ones of 16 bit: one file does not tell
+// which. Nothing for
 // 8 bit files, known from the header alone, and for what cannot be decoded or is not of the
 // camera's size. Thread-safe.
 std::optional<int> SampleBitsNeeded(const std::string& path, const Camera& camera);

@@ -8,10 +8,9 @@
 
 namespace rigmap {
 
-// A room of src/ ("src/fusion"), or a source and its header in workflows/stages/, without the
-// ending
-// ("workflows/stages/fusion"). The hash covers its own sources and headers and those of all rooms
-// that it includes, directly or by way of others.
+// A room of src/ ("src/fusion"), or a source and its header in workflows/stages/ without their
+// endings ("workflows/stages/fusion"). The hash covers its own sources and headers and those of all
+// rooms that it includes, directly or by way of others.
 struct CodeIdentity {
   std::string_view unit;
   std::string_view hash;

@@ -17,8 +17,8 @@ namespace rigmap {
 struct StereoFrame {
   StampNs stamp_ns = 0;
   std::string left_path, right_path;  // absolute
-  // Of the values in files of 16 bit, the same for all frames of a part: 16, or 12 for those of a
-  // 12 bit sensor.
+  // Of the values in files of 16 bit, the same for all frames of a part: of 10, 12, 14 and 16 the
+  // least that holds all of them.
   int sample_bits = 16;
 
   const std::string& PathOf(Eye eye) const { return eye == Eye::kLeft ? left_path : right_path; }

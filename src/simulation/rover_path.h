@@ -77,9 +77,8 @@ inline constexpr double kTraverse3_m = 221.0;
 
 // With the length l = spacing * (intervals - kRamp_s / interval):
 //   straight       l
-//   s-curve        left, right, left by 34, 69, 34 degrees; less where the radius would be too
-//   small loop           1.25 turns left on a circle, so that its first quarter is driven twice;
-//   where
+//   s-curve        left, right, left by 34, 69, 34 degrees; less where a radius would be too small
+//   loop           1.25 turns left on a circle, so that its first quarter is driven twice; where
 //                  that would be tighter than 0.8 m as much of such a circle as l suffices for (it
 //                  closes from l = 5.03 m on)
 //   loop-opposite  straight out, round a teardrop of 60, 300 and 60 degrees, back along the stem;

@@ -22,6 +22,6 @@ set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SECTION science)
 # Libraries by what the programs link; COLMAP is a program.
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
-set(CPACK_DEBIAN_PACKAGE_DEPENDS "colmap (>= 3.8)")
+set(CPACK_DEBIAN_PACKAGE_DEPENDS "colmap (>= 3.8), colmap (<< 3.9)")
 set(CPACK_DEBIAN_PACKAGE_SUGGESTS "snakemake (>= 7.21), slurm-client")
 include(CPack)

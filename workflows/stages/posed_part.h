@@ -24,7 +24,7 @@ struct PosedPart {
   StereoRig rig;  // as the part corrected it
   Trajectory trajectory;
   PointsInLeft points_in_left;     // sparse ones; empty where the technique has none
-  std::vector<PosedPoint> points;  // the same, once each
+  std::vector<PosedPoint> points;  // those of the adjustment, once each; else empty
   WorldUp world_up = WorldUp::kCamera;
 };
 
