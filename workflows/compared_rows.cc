@@ -10,6 +10,7 @@
 #include <tuple>
 
 #include "core/file.h"
+#include "core/json_file.h"
 #include "core/json_text.h"
 #include "workflows/comparison_runs.h"
 #include "workflows/output_folder.h"
@@ -36,8 +37,9 @@ void SortRows(std::vector<ComparisonRow>& rows) {
 }
 
 bool IsRow(const ComparisonRow& row) {
-  return row.is_object() && row.contains("part") && row.contains("technique") &&
-         row.contains("setting") && row.contains("repeat") && row.contains("status");
+  const auto is_text = [&](const char* key) { return row.contains(key) && row[key].is_string(); };
+  return row.is_object() && is_text("part") && is_text("technique") && is_text("setting") &&
+         is_text("status") && row.contains("repeat") && row["repeat"].is_number_integer();
 }
 
 // How its options differ from the defaults; nothing where another release wrote them.
@@ -102,8 +104,10 @@ std::vector<ComparisonRow> RowsOf(const std::vector<fs::path>& outs) {
   };
   for (std::size_t i = 0; i < results.size(); ++i) {
     ComparisonRow row = MakeRow({.part = data[i], .run = results[i].root}, results[i].root);
-    const auto summary = nlohmann::json::parse(ReadTextFile(results[i].root / "summary.json"));
-    row["technique"] = summary.value("technique", "rig");
+    const fs::path path = results[i].root / "summary.json";
+    row["technique"] = TakeFromJson(path, "the summary of a run", [&] {
+      return nlohmann::json::parse(ReadTextFile(path)).value("technique", "rig");
+    });
     row["setting"] = SettingOfResult(results[i].root);
     ++alike[key(row)];
     rows.push_back(std::move(row));

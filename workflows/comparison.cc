@@ -10,6 +10,7 @@
 
 #include "core/error.h"
 #include "core/file.h"
+#include "core/json_file.h"
 #include "core/json_text.h"
 #include "core/statistics.h"
 
@@ -84,11 +85,7 @@ Json At(const Json& json, const std::string& pointer) {
 }
 
 Json ParseFile(const std::filesystem::path& path) {
-  try {
-    return Json::parse(ReadTextFile(path));
-  } catch (const nlohmann::json::exception&) {
-    throw DataError(fmt::format("{}: expected JSON, found something else", path.string()));
-  }
+  return TakeFromJson(path, "JSON", [&] { return Json::parse(ReadTextFile(path)); });
 }
 
 // A cell for each length, after a pattern with a place for it.
@@ -147,14 +144,14 @@ void PutCost(const Json& summary, Json& row) {
 }
 
 // All columns that a run tells; null where it does not.
-void PutFindings(const Json& summary, const Json& evaluation, Json& row) {
+void PutFindings(const Json& summary, Json& row) {
   row["verdict"] = At(summary, "/verdict/text");
   row["frames"] = At(summary, "/frames/paired");
   row["coverage_pct"] = Coverage(summary);
   row["scale_95_pct"] = At(summary, "/verdict/scale_95_pct");
   row["position_95_m"] = At(summary, "/verdict/position_95_m");
   PutCost(summary, row);
-  PutEvaluation(evaluation, row);
+  PutEvaluation(Json::object(), row);
 }
 
 int ExitCodeOf(const std::string& status) {
@@ -208,18 +205,16 @@ ComparisonRow MakeRow(const RunName& name, const std::filesystem::path& out) {
   }
   const Json summary = ParseFile(path);
   Json row = Start(name);
-  try {
+  TakeFromJson(path, "the summary of a run", [&] {
     const std::string status = summary.at("status");
     row["exit"] = ExitCodeOf(status);
     row["status"] = status;
     row["reason"] = summary.at("reason");
-    const auto evaluation = out / "evaluation.json";
-    PutFindings(summary,
-                std::filesystem::exists(evaluation) ? ParseFile(evaluation) : Json::object(), row);
-  } catch (const nlohmann::json::exception&) {
-    throw DataError(
-        fmt::format("{}: expected the summary of a run, found something else", path.string()));
-  }
+    PutFindings(summary, row);
+  });
+  const auto evaluation = out / "evaluation.json";
+  if (!std::filesystem::exists(evaluation)) return row;
+  TakeFromJson(evaluation, "an evaluation", [&] { PutEvaluation(ParseFile(evaluation), row); });
   return row;
 }
 
@@ -228,7 +223,7 @@ ComparisonRow MakeFailedRow(const RunName& name, int exit_code, const std::strin
   row["exit"] = exit_code;
   row["status"] = "failed";
   row["reason"] = reason;
-  PutFindings(Json::object(), Json::object(), row);
+  PutFindings(Json::object(), row);
   return row;
 }
 

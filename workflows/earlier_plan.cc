@@ -16,12 +16,24 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
+// Its name is that of a folder in parts/, which may come to be removed: no way out of it.
+bool IsJob(const Json& job) {
+  if (!job.is_object() || !job.contains("name") || !job["name"].is_string()) return false;
+  const auto name = job["name"].get<std::string>();
+  const auto arguments = job.value("arguments", Json::array());
+  return !name.empty() && name != "." && name != ".." && name.find('/') == std::string::npos &&
+         arguments.is_array() &&
+         std::ranges::all_of(arguments, [](const Json& word) { return word.is_string(); });
+}
+
 // Null where there is none that can be read.
 Json EarlierPlan(const fs::path& out) {
   const fs::path path = out / "plan.json";
   if (!fs::exists(path)) return nullptr;
   Json plan = Json::parse(ReadTextFile(path), nullptr, false);
-  const bool is_plan = plan.is_object() && plan.contains("parts") && plan.contains("jobs");
+  const bool is_plan = plan.is_object() && plan.contains("parts") && plan.contains("jobs") &&
+                       plan.value("dataset", Json("unknown")).is_string() &&
+                       std::ranges::all_of(plan["jobs"], IsJob);
   return is_plan ? plan : Json(nullptr);
 }
 
@@ -30,7 +42,7 @@ bool ShareAPart(const Json& plan, const Json& earlier) {
     if (!part.contains("first_s")) return false;  // of no use
     return std::ranges::any_of(earlier.at("parts"), [&](const Json& other) {
       return other.contains("first_s") && other["first_s"] == part["first_s"] &&
-             other["last_s"] == part["last_s"];
+             other.contains("last_s") && other["last_s"] == part["last_s"];
     });
   });
 }

@@ -9,6 +9,7 @@
 
 #include "core/error.h"
 #include "core/file.h"
+#include "core/json_file.h"
 #include "core/json_text.h"
 #include "evaluation/matched_poses.h"
 #include "export/tum.h"
@@ -43,7 +44,7 @@ bool IsJoined(const std::filesystem::path& out) {
   const auto path = out / "summary.json";
   if (!std::filesystem::exists(path)) return false;
   const auto summary = nlohmann::json::parse(ReadTextFile(path), nullptr, false);
-  return summary.is_object() && summary.value("technique", "") == "join";
+  return summary.is_object() && summary.contains("technique") && summary["technique"] == "join";
 }
 
 // Those that stand in every result in their order, then those of parts.
@@ -95,11 +96,8 @@ nlohmann::ordered_json Metrics(const EvaluateRequest& request) {
                     "or ended before that stage; give --truth",
                     path.string()));
   }
-  try {
-    return nlohmann::ordered_json::parse(ReadTextFile(path));
-  } catch (const nlohmann::json::exception&) {
-    throw DataError(fmt::format("{}: expected JSON, found something else", path.string()));
-  }
+  return TakeFromJson(path, "JSON",
+                      [&] { return nlohmann::ordered_json::parse(ReadTextFile(path)); });
 }
 
 // Per cent; nothing where no truth tells.
@@ -121,7 +119,8 @@ std::string PerCent(double value) {
 std::string Standing(const std::filesystem::path& out, const nlohmann::ordered_json& metrics) {
   const auto path = out / "summary.json";
   if (!std::filesystem::exists(path)) return "";
-  try {
+  const auto error_pct = ScaleErrorPct(metrics);
+  return TakeFromJson(path, "the summary of a run", [&] {
     const auto summary = nlohmann::ordered_json::parse(ReadTextFile(path));
     const std::string status = summary.at("status");
     const auto& text = summary.at("verdict").at("text");
@@ -132,7 +131,6 @@ std::string Standing(const std::filesystem::path& out, const nlohmann::ordered_j
                                     : stated.is_number()  ? "trusted"
                                                           : "consistent",
                                     text.is_string() ? ": " + text.get<std::string>() : "");
-    const auto error_pct = ScaleErrorPct(metrics);
     if (error_pct && stated.is_number()) {
       const double stated_pct = stated;
       const bool is_within = *error_pct <= stated_pct;
@@ -141,10 +139,7 @@ std::string Standing(const std::filesystem::path& out, const nlohmann::ordered_j
                            is_within ? "" : ": this or the truth is wrong");
     }
     return lines;
-  } catch (const nlohmann::json::exception&) {
-    throw DataError(
-        fmt::format("{}: expected a summary of a run, found something else", path.string()));
-  }
+  });
 }
 
 }  // namespace
@@ -152,7 +147,8 @@ std::string Standing(const std::filesystem::path& out, const nlohmann::ordered_j
 std::string EvaluatePart(const EvaluateRequest& request) {
   const auto metrics = Metrics(request);
   if (request.json) return JsonText(metrics) + "\n";
-  return Standing(request.out, metrics) + FormatMetrics(metrics);
+  return TakeFromJson(request.out / "evaluation.json", "an evaluation",
+                      [&] { return Standing(request.out, metrics) + FormatMetrics(metrics); });
 }
 
 }  // namespace rigmap

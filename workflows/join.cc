@@ -11,6 +11,7 @@
 #include "core/artefact.h"
 #include "core/error.h"
 #include "core/file.h"
+#include "core/json_file.h"
 #include "core/json_text.h"
 #include "pipeline/code_identity.h"
 #include "pipeline/ledger.h"
@@ -48,8 +49,10 @@ using Worlds = std::vector<std::vector<std::string>>;
 
 // As the run has found them; empty where it did not come to that.
 Worlds WorldsIn(const fs::path& out) {
-  const auto summary = nlohmann::json::parse(ReadTextFile(out / "summary.json"));
-  return summary.value("worlds", Worlds());
+  const fs::path path = out / "summary.json";
+  return TakeFromJson(path, "the summary of a join", [&] {
+    return nlohmann::json::parse(ReadTextFile(path)).value("worlds", Worlds());
+  });
 }
 
 // What an adjustment of all parts has told of several worlds is kept beside these: the output
@@ -71,8 +74,9 @@ class WorldsFile {
   Worlds Read() const {
     if (!fs::exists(path_)) return {};
     const auto file = nlohmann::json::parse(ReadTextFile(path_), nullptr, false);
-    if (!file.is_object() || file.value("key", "") != key_) return {};
-    return file.value("worlds", Worlds());
+    if (!file.is_object() || !file.contains("key") || file["key"] != key_) return {};
+    return TakeFromJson(path_, "the worlds of a join",
+                        [&] { return file.value("worlds", Worlds()); });
   }
   void Write(const Worlds& worlds) const {
     fs::create_directories(path_.parent_path());

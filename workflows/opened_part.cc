@@ -19,7 +19,9 @@ std::string StatusOf(const fs::path& root) {
   const fs::path path = root / "summary.json";
   if (!fs::exists(path)) return "";
   const auto summary = nlohmann::json::parse(ReadTextFile(path), nullptr, false);
-  return summary.is_object() ? summary.value("status", "") : "";
+  const bool has_status =
+      summary.is_object() && summary.contains("status") && summary["status"].is_string();
+  return has_status ? summary["status"].get<std::string>() : "";
 }
 
 OpenedPart Open(const PartFolder& folder) {

@@ -114,6 +114,7 @@ bool LiesIn(const fs::path& file, const fs::path& folder) {
   std::error_code ignored;
   const fs::path whole = fs::weakly_canonical(file, ignored);
   const fs::path above = fs::weakly_canonical(folder, ignored);
+  if (above.empty()) return false;  // a link that leads to itself, say
   return std::mismatch(above.begin(), above.end(), whole.begin(), whole.end()).first == above.end();
 }
 

@@ -4,6 +4,7 @@
 #include <spdlog/spdlog.h>
 
 #include "core/error.h"
+#include "core/json_file.h"
 #include "report/result_folder.h"
 #include "report/write_report.h"
 #include "workflows/output_folder.h"
@@ -48,7 +49,7 @@ std::string WriteReports(const std::vector<fs::path>& folders) {
   std::string lines;
   for (const fs::path& folder : folders) {
     const OutputLock lock(folder);
-    WriteReport(RequestOf(folder));
+    TakeFromJson(folder, "results as rigmap writes them", [&] { WriteReport(RequestOf(folder)); });
     lines += fmt::format("{}\n", (folder / "report.html").string());
   }
   return lines;

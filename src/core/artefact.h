@@ -1,5 +1,6 @@
 // What a stage leaves behind, so that the next run need not do it again: a file whose name tells
-// the stage and whose first line holds the key of the inputs and options it was made from.
+// the stage and whose first line holds the key of the inputs and options it was made from. It ends
+// with the hash of what lies between.
 #pragma once
 
 #include <cereal/archives/binary.hpp>

@@ -130,6 +130,16 @@ GnssFix Locate(const Row& row, Coordinates order, const UtmZone& zone) {
   return fix;
 }
 
+// Of fixes of one stamp the first stays.
+void LeaveOutRepeats(const fs::path& path, GnssReading& reading) {
+  std::ranges::stable_sort(reading.fixes, {}, &GnssFix::stamp_ns);
+  const auto repeats = std::ranges::unique(reading.fixes, {}, &GnssFix::stamp_ns);
+  if (repeats.empty()) return;
+  reading.remarks.push_back(fmt::format("{}: {} of {} rows repeat a stamp and are left out",
+                                        path.string(), repeats.size(), reading.fixes.size()));
+  reading.fixes.erase(repeats.begin(), repeats.end());
+}
+
 }  // namespace
 
 GnssReading ReadGnssFile(const fs::path& path, const UtmZone& zone) {
@@ -157,7 +167,7 @@ GnssReading ReadGnssFile(const fs::path& path, const UtmZone& zone) {
         fmt::format("{}: either column may be the northing; the first is taken for the easting",
                     path.string()));
   }
-  std::ranges::stable_sort(reading.fixes, {}, &GnssFix::stamp_ns);
+  LeaveOutRepeats(path, reading);
   if (!left_out.empty()) {
     reading.remarks.push_back(Legible(
         fmt::format("{}:{}: expected {}, the same in all rows, found '{}'; {} of {} rows left out",

@@ -181,6 +181,7 @@ RigEye ReadEye(const YamlNode& node, const std::filesystem::path& folder) {
     eye.calibrated_region = ReadRegion(*region, eye.camera);
   }
   if (const YamlNode* mask = node.Find("mask")) {
+    if (mask->AsString().empty()) throw Complaint(*mask, "expected a mask image, found ''");
     eye.mask_path =
         std::filesystem::absolute(folder / mask->AsString()).lexically_normal().string();
   }

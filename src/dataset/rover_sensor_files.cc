@@ -234,7 +234,8 @@ std::string InertialProblem(const fs::path& path, const std::vector<InertialSamp
     up += sample.inclination_mps2 / static_cast<double>(samples.size());
     turns_radps.push_back(sample.angular_rate_radps.norm());
   }
-  const double size_mps2 = up.norm(), turn_radps = Median(std::move(turns_radps));
+  // Most of a slow drive it hardly turns, in whatever unit.
+  const double size_mps2 = up.norm(), turn_radps = Quantile(std::move(turns_radps), 0.99);
   if (size_mps2 < kLeastGravity_mps2 || size_mps2 > kMostGravity_mps2 ||
       up.z() < kLeastUpright * size_mps2) {
     return fmt::format(
@@ -245,8 +246,8 @@ std::string InertialProblem(const fs::path& path, const std::vector<InertialSamp
   }
   if (turn_radps > kFastestTurn_radps) {
     return fmt::format(
-        "{}: expected angular rates below {} rad/s in fields 5 to 7, found {:.2f} in the median: "
-        "are columns exchanged?",
+        "{}: expected angular rates below {} rad/s in fields 5 to 7, found {:.2f} and more in a "
+        "hundredth of the rows: are columns exchanged, or rates in degrees?",
         path.string(), kFastestTurn_radps, turn_radps);
   }
   return {};

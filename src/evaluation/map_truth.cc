@@ -11,6 +11,7 @@
 
 #include "core/error.h"
 #include "core/file.h"
+#include "core/json_file.h"
 #include "evaluation/point_tree.h"
 #include "export/ply_rows.h"
 
@@ -122,14 +123,10 @@ TrueRock RockFromJson(const nlohmann::json& json) {
 std::vector<TrueRock> ReadRocks(const fs::path& path) {
   std::vector<TrueRock> rocks;
   if (!fs::exists(path)) return rocks;
-  try {
+  TakeFromJson(path, "JSON with 'rocks', each with size, x, y, z and width", [&] {
     const auto json = nlohmann::json::parse(ReadTextFile(path));
     for (const auto& rock : json.at("rocks")) rocks.push_back(RockFromJson(rock));
-  } catch (const nlohmann::json::exception& error) {
-    throw DataError(
-        fmt::format("{}: expected JSON with 'rocks', each with size, x, y, z and width, found: {}",
-                    path.string(), error.what()));
-  }
+  });
   return rocks;
 }
 

@@ -15,6 +15,7 @@ constexpr double kInlier_m = 0.05;  // beyond, a residual counts by its length, 
 constexpr double kLeverWeight = 0.02, kClockWeight = 0.01;  // of the priors: per m, per s
 constexpr int kHeadings = 8;
 constexpr int kMaxSteps = 200;
+constexpr double kEnoughInside = 0.75;  // of the poses inside where the clocks agree
 
 // A residual whose square is twice (sqrt(1 + r^2) - 1), r in kInlier_m: least squares of these are
 // those of the pseudo-Huber loss.
@@ -46,7 +47,10 @@ PrismFitter::PrismFitter(std::span<const TumPose> world_from_body,
     : poses_(world_from_body),
       track_(track),
       times_s_(SecondsSince(track.front().stamp_ns, StampsOf(world_from_body))),
-      track_times_s_(SecondsSince(track.front().stamp_ns, StampsOf(track))) {}
+      track_times_s_(SecondsSince(track.front().stamp_ns, StampsOf(track))) {
+  const auto inside = static_cast<double>(CountInside(PrismParameters::Zero()));
+  enough_inside_ = static_cast<std::size_t>(std::ceil(kEnoughInside * inside));
+}
 
 Eigen::Vector2d PrismFitter::TrackAt(double time_s, double clock_offset_s) const {
   const double at_s = time_s + clock_offset_s;
@@ -97,7 +101,6 @@ double PrismFitter::Refine(PrismParameters& x, double expected_offset_s,
                            std::span<const int> free) const {
   constexpr double kStep = 1e-6, kEnough = 1e-9, kMaxDamping = 1e9;
   const auto size = static_cast<Eigen::Index>(free.size());
-  const auto enough_inside = CountInside(x) / 2;  // outside nothing would hold the fit
   Eigen::VectorXd residuals = Residuals(x, expected_offset_s);
   double damping = 1e-4;
   for (int step = 0; step < kMaxSteps && damping < kMaxDamping; ++step) {
@@ -117,7 +120,8 @@ double PrismFitter::Refine(PrismParameters& x, double expected_offset_s,
       PrismParameters moved = x;
       for (Eigen::Index i = 0; i < size; ++i) moved(free[static_cast<std::size_t>(i)]) -= dx(i);
       const Eigen::VectorXd after = Residuals(moved, expected_offset_s);
-      better = after.squaredNorm() < residuals.squaredNorm() && CountInside(moved) >= enough_inside;
+      better =
+          after.squaredNorm() < residuals.squaredNorm() && CountInside(moved) >= enough_inside_;
       if (!better) continue;
       x = moved;
       residuals = after;
@@ -139,6 +143,7 @@ void PrismFitter::RefineClock(PrismParameters& x, double expected_offset_s,
   const auto cost_at = [&](double clock_offset_s) {
     PrismParameters moved = best;
     moved(6) = clock_offset_s;
+    if (CountInside(moved) < enough_inside_) return std::numeric_limits<double>::infinity();
     const double cost = Refine(moved, expected_offset_s, free);
     if (cost < least) least = cost, best = moved;
     return cost;
@@ -173,6 +178,7 @@ PrismParameters PrismFitter::Fit(bool with_scale) const {
         shift += (TrackAt(times_s_[k], 0.0) - PrismOf(k, x)) / static_cast<double>(poses_.size());
       }
       x.segment<2>(1) = shift;
+      if (CountInside(x) < enough_inside_) continue;
       const double cost = Refine(x, clock_offset_s, std::span(kAll).first(7 + scales));
       if (cost < least) least = cost, best = x, expected_offset_s = clock_offset_s;
     }

@@ -10,6 +10,7 @@
 #include "colmap/model_io.h"
 #include "core/error.h"
 #include "core/file.h"
+#include "core/json_file.h"
 
 namespace rigmap {
 namespace {
@@ -19,11 +20,7 @@ namespace fs = std::filesystem;
 Json ReadJson(const fs::path& path) {
   std::error_code ignored;
   if (!fs::exists(path, ignored)) return nullptr;
-  try {
-    return Json::parse(ReadTextFile(path));
-  } catch (const Json::exception&) {
-    throw DataError(fmt::format("{}: expected JSON, found something else", path.string()));
-  }
+  return TakeFromJson(path, "JSON", [&] { return Json::parse(ReadTextFile(path)); });
 }
 
 void RequireSummary(const Json& summary, const fs::path& root) {

@@ -62,6 +62,29 @@ TEST_F(ArtefactTest, TruncatedAnywhereIsNotRead) {
   }
 }
 
+TEST_F(ArtefactTest, ChangedAnywhereIsNotRead) {
+  WriteArtefact(path_, key_, kSample);
+  const std::string whole = ReadTextFile(path_);
+  for (std::size_t i = 0; i < whole.size(); ++i) {
+    std::string changed = whole;
+    changed[i] = static_cast<char>(changed[i] ^ 0x10);
+    folder_.Write("changed.bin", changed);
+    EXPECT_FALSE(ReadArtefact<Sample>(folder_.Path() / "changed.bin", key_).has_value()) << i;
+  }
+}
+
+TEST_F(ArtefactTest, LongOnesAreReadBack) {
+  Sample sample = kSample;
+  for (int i = 0; i < 100'000; ++i) sample.numbers.push_back(0.1 * i);
+  WriteArtefact(path_, key_, sample);
+  EXPECT_EQ(ReadArtefact<Sample>(path_, key_), sample);
+  std::string changed = ReadTextFile(path_);
+  changed[changed.size() / 2] ^= 1;
+  folder_.Write("stage/sample.bin", changed);
+  EXPECT_TRUE(HasArtefact(path_, key_)) << "its ends alone are looked at";
+  EXPECT_FALSE(ReadArtefact<Sample>(path_, key_).has_value());
+}
+
 TEST(HashTextTest, TellsTextsApart) {
   EXPECT_EQ(HashText("abc"), HashText("abc"));
   EXPECT_NE(HashText("abc"), HashText("abd"));

@@ -43,6 +43,14 @@ TEST(GnssFile, ReadsRowsInOrderOfTime) {
   EXPECT_EQ(second.sigma_enu_m, Eigen::Vector3d(0.004, 0.005, 0.009));  // the file has north first
 }
 
+TEST(GnssFile, CountsARepeatedFixOnce) {
+  const TemporaryFolder folder;
+  const GnssReading reading = ReadGnssFile(folder.Write("gps.txt", std::string(kRows) + kRows));
+  EXPECT_EQ(reading.fixes.size(), 2U);
+  EXPECT_THAT(reading.remarks,
+              testing::ElementsAre(testing::HasSubstr("gps.txt: 2 of 4 rows repeat a stamp")));
+}
+
 // Degrees, eastings first and northings first mean the same places.
 TEST(GnssFile, TakesDegreesAndMetresInEitherOrder) {
   SeededRandom random;

@@ -237,9 +237,15 @@ TEST_F(RigFileTest, OtherModelsAreRefusedByName) {
               HasSubstr("expected model PINHOLE, OPENCV or FULL_OPENCV, found 'RADIAL'"));
 }
 
+TEST_F(RigFileTest, MaskMustHaveAName) {
+  EXPECT_THAT(Complaint("  fx: 31", "  mask: ''\n  fx: 31"),
+              HasSubstr("expected a mask image, found ''"));
+}
+
 TEST_F(RigFileTest, PinholeMustHaveNoDistortion) {
   EXPECT_THAT(Complaint("model: OPENCV", "model: PINHOLE"),
-              HasSubstr("rig.yaml:9: expected no distortion for model PINHOLE, found [-0.1, 0.02, 0.001, -0.002]"));
+              HasSubstr("rig.yaml:9: expected no distortion for model PINHOLE, found [-0.1, 0.02, "
+                        "0.001, -0.002]"));
   EXPECT_NO_THROW(
       Read(Replaced(SampleRigText(), "  fx: 31", "  distortion: [0, 0, 0, 0]\n  fx: 31")));
 }

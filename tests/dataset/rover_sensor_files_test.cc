@@ -213,6 +213,22 @@ TEST_F(RoverSensorFilesTest, RatesInDegreesAreAProblem) {
                     HasSubstr("in degrees?")));
 }
 
+// Of a rover that turns by 12 degrees a second now and then, else not at all.
+TEST_F(RoverSensorFilesTest, AngularRatesInDegreesAreAProblem) {
+  const auto rows = [](double per_radian) {
+    std::string imu;
+    for (int ms = 0; ms < 10'000; ms += 8) {
+      imu += ImuRow(ms, fmt::format("0.4 0.2 9.7 0 0 {} 0.2 0.1 9.8",
+                                    ms % 1000 < 100 ? 0.21 * per_radian : 0.0));
+    }
+    return imu;
+  };
+  EXPECT_THAT(Read(WheelRows(), rows(1.0)).inertial.problem, IsEmpty());
+  EXPECT_THAT(Read(WheelRows(), rows(57.3)).inertial.problem,
+              AllOf(HasSubstr("angular rates below 3 rad/s in fields 5 to 7, found 12.03"),
+                    HasSubstr("rates in degrees?")));
+}
+
 TEST_F(RoverSensorFilesTest, ExchangedColumnsAreAProblem) {
   std::string wheels, imu;
   for (int ms = 0; ms < 10'000; ms += 80) {

@@ -143,10 +143,10 @@ TEST_F(ReadMapTruthTest, NamesRocksThatAreNone) {
                            R"({"rocks": [{"size": 1, "x": 1, "y": 1, "z": 1, "width": 1}]})"}) {
     folder_.Write("rocks.json", text);
     const std::string complaint = Complaint();
-    EXPECT_EQ(complaint.find(file + ": expected JSON with 'rocks', each with size, x, y, z and "
-                                    "width, found: "),
-              0U)
-        << text << ": " << complaint;
+    EXPECT_EQ(complaint, file +
+                             ": expected JSON with 'rocks', each with size, x, y, z and width, "
+                             "found something else")
+        << text;
   }
 }
 

@@ -75,6 +75,20 @@ TEST(ComparePrism, ShowsAWrongScale) {
   EXPECT_GT(metrics.rigid->rms_m, 0.01);
 }
 
+// Of a drive of less than a second a clock that is off by one leaves no pose in the track's time.
+TEST(ComparePrism, DoesNotLeaveTheTrackToFitIt) {
+  Poses poses = Drive(40);
+  for (TumPose& pose : poses) pose.stamp_ns /= 50;
+  const Track track = TrackOf(poses, 0.0);
+  for (TumPose& pose : poses) pose.world_from_body.translation /= 1.3;
+  const PrismMetrics metrics = ComparePrism(poses, track);
+  ASSERT_TRUE(metrics.rigid && metrics.similar);
+  EXPECT_GE(metrics.rigid->inside, 30U);
+  EXPECT_GE(metrics.similar->inside, 30U);
+  EXPECT_NEAR(metrics.similar->scale, 1.3, 0.03);
+  EXPECT_GT(metrics.rigid->rms_m, 0.05);
+}
+
 TEST(ComparePrism, DoesNotDependOnTheHeadingOfTheWorld) {
   SeededRandom random;
   Poses poses = Drive();

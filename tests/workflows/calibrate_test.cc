@@ -201,6 +201,23 @@ TEST_F(CalibrateTest, RefusesWhatCountsTwiceOrIsOfAnotherRig) {
   EXPECT_THAT(Complaint({a, Part("c", {"c"}, {other, {}})}), HasSubstr("found another"));
 }
 
+TEST_F(CalibrateTest, RefusesADamagedCalibrationByName) {
+  const fs::path path = Part("a", {"f1", "f2"}, {start_, {}}) / "calibration.json";
+  using nlohmann::json;
+  const json whole = JsonIn(path);
+  const auto complaint = [&](const char* where, const json& value) {
+    json damaged = whole;
+    damaged[json::json_pointer(where)] = value;
+    WriteTestFile(path, damaged.dump());
+    return Complaint({path.parent_path()});
+  };
+  const std::string file = path.string() + ": expected ";
+  EXPECT_EQ(complaint("/correction", {1, 2, 3}), file + "19 numbers, found 3");
+  EXPECT_THAT(complaint("/frames", 5), HasSubstr(file + "what rigmap part writes there"));
+  EXPECT_THAT(complaint("/stretches/0/information/1", 1e30), HasSubstr(file + "information"));
+  EXPECT_THAT(complaint("/regions/0/information/0", -1e30), HasSubstr(file + "information"));
+}
+
 TEST(RigOut, ReplacesNothingButWhatACalibrationWrote) {
   const TemporaryFolder folder;
   const fs::path data = WriteTestFile(folder.Path() / "times.txt", "1 2 3\n");

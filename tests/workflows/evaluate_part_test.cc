@@ -68,7 +68,7 @@ TEST_F(EvaluatePartTest, SaysFirstWhetherTheResultIsTrusted) {
   EXPECT_EQ(with("untrusted", R"("torn")"), "NOT TRUSTED: torn\n" + metrics);
   EXPECT_EQ(with("partial", "null"), "partial\n" + metrics);
   WriteTestFile(out_ / "summary.json", "{}");
-  EXPECT_THAT(ErrorOf({out_, truth_, false}), HasSubstr("summary.json: expected a summary"));
+  EXPECT_THAT(ErrorOf({out_, truth_, false}), HasSubstr("summary.json: expected the summary"));
 }
 
 TEST_F(EvaluatePartTest, SaysWhetherTheTruthBearsOutWhatIsStated) {
@@ -190,6 +190,14 @@ TEST_F(EvaluatePartTest, SaysWhatIsMissing) {
   EXPECT_THAT(ErrorOf({out_, folder_.Path() / "no.tum", true}), HasSubstr("no.tum"));
   WriteTestFile(out_ / "evaluation.json", "{\"frames\": ");
   EXPECT_THAT(ErrorOf({out_, {}, true}), HasSubstr("expected JSON"));
+}
+
+TEST_F(EvaluatePartTest, NamesTheFileThatIsOfAnotherForm) {
+  WriteTestFile(out_ / "summary.json", R"({"technique": 5, "status": "ok", "verdict": 7})");
+  WriteTestFile(out_ / "evaluation.json", R"({"scale_error_pct": []})");
+  EXPECT_THAT(ErrorOf({out_, {}, false}), HasSubstr("evaluation.json: expected an evaluation"));
+  WriteTestFile(out_ / "evaluation.json", "{}");
+  EXPECT_THAT(ErrorOf({out_, {}, false}), HasSubstr("summary.json: expected the summary of a run"));
 }
 
 }  // namespace

@@ -237,6 +237,21 @@ TEST_F(TraverseTest, LeavesARunOfOtherDataAsItIs) {
   EXPECT_EQ(ReadTextFile(path), before);
 }
 
+// However its plan has been changed.
+TEST_F(TraverseTest, ByForceRemovesNothingOutsideOfItsFolder) {
+  const std::vector<std::string> cut{"--split", "2",        "--overlap", "1",
+                                     "--until", "features", "--force"};
+  ASSERT_EQ(Run(cut).exit_code, 0);
+  const fs::path path = out_ / "plan.json", other = folder_.Path() / "other";
+  fs::copy(out_ / "parts" / "1.1", other, fs::copy_options::recursive);
+  json plan = ReadJson(path);
+  plan["jobs"].push_back(plan["jobs"][0]);
+  plan["jobs"].back()["name"] = fs::relative(other, out_ / "parts").string();
+  WriteFileAtomically(path, [&](std::ostream& stream) { stream << plan; });
+  EXPECT_EQ(Run(cut).exit_code, 0);
+  EXPECT_TRUE(fs::exists(other / "summary.json"));
+}
+
 TEST_F(TraverseTest, LeavesPartsThatWereCutOtherwiseUntilForced) {
   const auto cut = [&](const char* split) {
     return std::vector<std::string>{"--split", split, "--overlap", "1", "--until", "features"};

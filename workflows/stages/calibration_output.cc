@@ -2,11 +2,15 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Eigenvalues>
+#include <algorithm>
 #include <nlohmann/json.hpp>
 #include <numbers>
+#include <stdexcept>
 
 #include "core/error.h"
 #include "core/file.h"
+#include "core/json_file.h"
 #include "core/json_text.h"
 #include "dataset/rig_file.h"
 
@@ -20,15 +24,38 @@ Json Numbers(const Matrix& matrix) {
   return std::vector<double>(matrix.data(), matrix.data() + matrix.size());
 }
 
-// Matrices are symmetric, so that the order of rows and columns does not matter.
+// Matrices are symmetric, so that the order of rows and columns does not matter. Throws
+// std::invalid_argument.
 template <class Matrix>
 Matrix Read(const Json& numbers) {
   const auto values = numbers.get<std::vector<double>>();
   if (values.size() != static_cast<std::size_t>(Matrix::SizeAtCompileTime)) {
-    throw DataError(fmt::format("expected {} numbers, found {}", int{Matrix::SizeAtCompileTime},
-                                values.size()));
+    throw std::invalid_argument(fmt::format("expected {} numbers, found {}",
+                                            int{Matrix::SizeAtCompileTime}, values.size()));
   }
-  return Eigen::Map<const Matrix>(values.data());
+  const Matrix matrix = Eigen::Map<const Matrix>(values.data());
+  if (!matrix.allFinite()) throw std::invalid_argument("expected numbers, found an infinite one");
+  return matrix;
+}
+
+// Throws std::invalid_argument where a block's information is none: rounding is small beside what
+// the whole part tells.
+void RequireInformation(const CalibrationEquations& equations) {
+  constexpr double kRounding = 1e-6, kLeast = 1e-150;
+  const CalibrationVector scale =
+      equations.information.diagonal().cwiseAbs().cwiseMax(kLeast).cwiseSqrt().cwiseInverse();
+  const auto is_information = [&](const CalibrationBlock& block) {
+    const CalibrationMatrix scaled = scale.asDiagonal() * block.information * scale.asDiagonal();
+    if ((scaled - scaled.transpose()).cwiseAbs().maxCoeff() > kRounding) return false;
+    const Eigen::SelfAdjointEigenSolver<CalibrationMatrix> solver(scaled, Eigen::EigenvaluesOnly);
+    return solver.eigenvalues().minCoeff() > -kRounding;
+  };
+  const auto all_are = [&](const std::vector<CalibrationBlock>& blocks) {
+    return std::ranges::all_of(blocks, is_information);
+  };
+  if (all_are(equations.stretches) && all_are(equations.regions)) return;
+  throw std::invalid_argument(
+      "expected information that is symmetric and nowhere negative, found other");
 }
 
 Json WriteBlock(const CalibrationBlock& block, double inflation) {
@@ -62,6 +89,7 @@ PartCalibration ReadPart(const Json& part, const std::filesystem::path& path) {
   read.equations.regions = ReadBlocks(part.at("regions"));
   if (part.contains("field")) read.equations.of_field = ReadBlock(part.at("field"));
   read.equations.AddUp();
+  RequireInformation(read.equations);
   read.equations.score_covariance = read.equations.information;
   return read;
 }
@@ -114,11 +142,12 @@ std::optional<PartCalibration> ReadCalibration(const std::filesystem::path& out)
   }
   const std::string text = ReadTextFile(path);
   try {
-    PartCalibration part = ReadPart(Json::parse(text), path);
-    return part.equations.stretches.empty() ? std::nullopt : std::optional(std::move(part));
-  } catch (const Json::exception&) {
-    throw DataError(fmt::format("{}: expected what rigmap part writes there, found something else",
-                                path.string()));
+    return TakeFromJson(path, "what rigmap part writes there", [&] {
+      PartCalibration part = ReadPart(Json::parse(text), path);
+      return part.equations.stretches.empty() ? std::nullopt : std::optional(std::move(part));
+    });
+  } catch (const std::invalid_argument& error) {
+    throw DataError(fmt::format("{}: {}", path.string(), error.what()));
   }
 }
 

@@ -16,7 +16,8 @@ class PrismFitter {
   // Both in order of time, the track of two positions or more.
   PrismFitter(std::span<const TumPose> world_from_body, std::span<const PrismPosition> track);
 
-  // The best of fits from eight headings and three clock offsets.
+  // The best of fits from eight headings and three clock offsets, all of which leave enough poses
+  // in the time of the track: those outside cost nothing, and few fit anything.
   PrismParameters Fit(bool with_scale) const;
 
   // Per pose; z 1 where the pose lies in the time of the track, else 0 and no difference.
@@ -35,6 +36,7 @@ class PrismFitter {
   std::span<const TumPose> poses_;
   std::span<const PrismPosition> track_;
   std::vector<double> times_s_, track_times_s_;  // since the track's first position
+  std::size_t enough_inside_ = 0;
 };
 
 }  // namespace rigmap
