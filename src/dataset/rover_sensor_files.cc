@@ -240,8 +240,7 @@ std::string InertialProblem(const fs::path& path, const std::vector<InertialSamp
       up.z() < kLeastUpright * size_mps2) {
     return fmt::format(
         "{}: expected gravity, about 9.8 m/s^2 along z, in the inclinometer's fields 8 to 10, "
-        "found "
-        "({:.2f}, {:.2f}, {:.2f}) in the mean: are columns exchanged?",
+        "found ({:.2f}, {:.2f}, {:.2f}) in the mean: are columns exchanged?",
         path.string(), up.x(), up.y(), up.z());
   }
   if (turn_radps > kFastestTurn_radps) {
