@@ -49,7 +49,8 @@ PrismFitter::PrismFitter(std::span<const TumPose> world_from_body,
       times_s_(SecondsSince(track.front().stamp_ns, StampsOf(world_from_body))),
       track_times_s_(SecondsSince(track.front().stamp_ns, StampsOf(track))) {
   const auto inside = static_cast<double>(CountInside(PrismParameters::Zero()));
-  enough_inside_ = static_cast<std::size_t>(std::ceil(kEnoughInside * inside));
+  enough_inside_ =
+      std::max(kMinInside, static_cast<std::size_t>(std::ceil(kEnoughInside * inside)));
 }
 
 Eigen::Vector2d PrismFitter::TrackAt(double time_s, double clock_offset_s) const {

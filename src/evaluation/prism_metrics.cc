@@ -10,8 +10,7 @@
 namespace rigmap {
 namespace {
 
-constexpr std::size_t kMinInside = 4;  // two numbers each, for the seven that are fitted
-constexpr std::size_t kStride = 5;     // of the poses that lengths are measured over
+constexpr std::size_t kStride = 5;  // of the poses that lengths are measured over
 
 PrismFit Describe(const PrismFitter& fitter, const PrismParameters& x) {
   PrismFit fit{.heading_rad = x(0),
@@ -62,7 +61,7 @@ PrismMetrics ComparePrism(std::span<const TumPose> world_from_body,
   PrismMetrics metrics{.frames = world_from_body.size()};
   if (track.size() < 2 || world_from_body.empty()) return metrics;
   const PrismFitter fitter(world_from_body, track);
-  if (fitter.CountInside(PrismParameters::Zero()) < kMinInside) return metrics;
+  if (fitter.CountInside(PrismParameters::Zero()) < PrismFitter::kMinInside) return metrics;
   const PrismParameters rigid = fitter.Fit(false);
   metrics.rigid = Describe(fitter, rigid);
   metrics.similar = Describe(fitter, fitter.Fit(true));

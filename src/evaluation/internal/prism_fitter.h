@@ -13,6 +13,9 @@ using PrismParameters = Eigen::Matrix<double, 8, 1>;
 
 class PrismFitter {
  public:
+  // Poses in the time of the track: two numbers each, for the seven that are fitted.
+  static constexpr std::size_t kMinInside = 4;
+
   // Both in order of time, the track of two positions or more.
   PrismFitter(std::span<const TumPose> world_from_body, std::span<const PrismPosition> track);
 
