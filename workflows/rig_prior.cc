@@ -1,9 +1,13 @@
 #include "workflows/rig_prior.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <set>
 
 #include "adjustment/calibration.h"
+#include "core/error.h"
+#include "dataset/rig_file.h"
 
 namespace rigmap {
 namespace {
@@ -20,6 +24,18 @@ StereoRig WithCalibrationOf(const StereoRig& calibrated, const StereoRig& rig) {
   return result;
 }
 
+// As a rig file that states it would be refused.
+void RequireRig(const StereoRig& rig, const RigWithoutPart& part) {
+  try {
+    ParseRigFile(WriteRigFile(rig), "corrected");
+  } catch (const DataError& error) {
+    throw DataError(
+        fmt::format("{}: expected corrections of a pool that leave a rig, found that of the part "
+                    "with frame {}: {}",
+                    rig.source, part.frames.empty() ? "none" : part.frames.front(), error.what()));
+  }
+}
+
 }  // namespace
 
 int SharedFrames(const std::vector<std::string>& a, const std::vector<std::string>& b) {
@@ -34,6 +50,7 @@ StereoRig RigBeforePool(const PooledRig& file) {
 
 StereoRig RigWithout(const RigPool& pool, const RigWithoutPart& part) {
   StereoRig rig = Corrected(pool.start, part.correction);
+  RequireRig(rig, part);
   rig.calibration_covariance = part.covariance;
   return rig;
 }

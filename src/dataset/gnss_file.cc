@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <cmath>
 #include <map>
 #include <regex>
@@ -43,11 +44,20 @@ std::optional<Coordinates> CoordinatesOf(double first, double second, const UtmZ
                                                 : Coordinates::kNorthingFirst;
 }
 
+// Receivers' programs differ in case.
+std::string StatusOf(std::string_view word) {
+  std::string status(word);
+  std::ranges::transform(status, status.begin(), [](unsigned char letter) {
+    return static_cast<char>(std::toupper(letter));
+  });
+  return status;
+}
+
 Row ParseFix(const std::string& text, int line, const UtmZone& zone) {
   Row row{.line = line, .text = text};
   std::string_view rest = text;
   const auto stamp_ns = ParseStamp(NextWord(rest));
-  row.fix.status = NextWord(rest);
+  row.fix.status = StatusOf(NextWord(rest));
   std::array<double, 6> numbers{};
   for (double& number : numbers) {
     const auto value = ParseFinite(NextWord(rest));

@@ -15,7 +15,9 @@ namespace {
 
 // No vehicle carries two cameras that far apart.
 constexpr double kMaxBaseline_m = 10.0;
-// Nor are lenses that see metres so small.
+// Nor an antenna that far from them.
+constexpr double kMaxLever_m = 30.0;
+// Lenses that see metres are not so small.
 constexpr double kMinBaseline_m = 0.002;
 // Numbers in such files are rounded to six decimals or better.
 constexpr double kMaxBaselineErrorM = 1e-6;
@@ -101,6 +103,17 @@ double ReadFocal(const YamlNode& node, int width) {
   return focal;
 }
 
+// Pixels are as wide as they are high, or nearly so; of interlaced video one is twice the other.
+void RequireAspect(const YamlNode& eye, const Camera& camera) {
+  constexpr double kMostUnlike = 2.5;
+  const double aspect = camera.fy / camera.fx;
+  if (aspect > 1.0 / kMostUnlike && aspect < kMostUnlike) return;
+  throw Complaint(eye.At("fy"),
+                  fmt::format("expected focal lengths alike, fy within {:g} times fx either way, "
+                              "found fx = {:g} and fy = {:g}",
+                              kMostUnlike, camera.fx, camera.fy));
+}
+
 // Half-way to its corners at least, an image must have rays; calibrations run wild beyond.
 void RequireRays(const YamlNode& eye, const Camera& camera) {
   const Eigen::Vector2d middle(camera.cx, camera.cy);
@@ -143,6 +156,7 @@ Camera ReadCamera(const YamlNode& eye) {
   camera.height = ReadSize(eye.At("height"));
   camera.fx = ReadFocal(eye.At("fx"), camera.width);
   camera.fy = ReadFocal(eye.At("fy"), camera.width);
+  RequireAspect(eye, camera);
   camera.cx = eye.At("cx").AsDouble();
   camera.cy = eye.At("cy").AsDouble();
   if (!camera.Contains({camera.cx, camera.cy})) {
@@ -211,6 +225,15 @@ Eigen::Vector3d ReadVector(const YamlNode& node) {
   return Eigen::Vector3d(node.AsDoubles(3).data());
 }
 
+// Of something else on the vehicle, from the left camera.
+Eigen::Vector3d ReadLever(const YamlNode& node) {
+  const Eigen::Vector3d lever_m = ReadVector(node);
+  if (lever_m.norm() <= kMaxLever_m) return lever_m;
+  throw Complaint(node, fmt::format("expected metres, at most {:g} m from the left camera, found "
+                                    "{:.4g} m: are they millimetres?",
+                                    kMaxLever_m, lever_m.norm()));
+}
+
 Rigid3 ReadRigid(const YamlNode& node) {
   node.RequireKeys({"R", "t"});
   return {ReadRotation(node.At("R")), ReadVector(node.At("t"))};
@@ -272,9 +295,12 @@ StereoRig ReadRigNode(const YamlNode& root, const std::filesystem::path& path) {
   CheckBaseline(root, rig);
   CheckRectified(root, rig.right_from_left);
   if (const YamlNode* antenna = root.Find("antenna_in_left")) {
-    rig.antenna_in_left = ReadVector(*antenna);
+    rig.antenna_in_left = ReadLever(*antenna);
   }
-  if (const YamlNode* imu = root.Find("imu_from_left")) rig.imu_from_left = ReadRigid(*imu);
+  if (const YamlNode* imu = root.Find("imu_from_left")) {
+    rig.imu_from_left = ReadRigid(*imu);
+    ReadLever(imu->At("t"));
+  }
   if (const YamlNode* wheels = root.Find("wheels")) rig.wheels = ReadWheelsNode(*wheels);
   if (const YamlNode* sigmas = root.Find("sigmas")) ReadSigmasNode(*sigmas, rig);
   return rig;

@@ -12,12 +12,14 @@
 
 #include "core/file.h"
 #include "imaging/internal/image_header.h"
+#include "imaging/internal/jpeg.h"
 
 namespace rigmap {
 namespace {
 
-// Empty if the file is no image.
+// Empty if the file is no image, or a damaged one.
 cv::Mat TryDecode(const std::string& path, int flags) {
+  if (const auto pixels = DecodeJpeg(path, !(flags & cv::IMREAD_COLOR))) return *pixels;
   try {
     return cv::imread(path, flags);
   } catch (const cv::Exception&) {

@@ -9,6 +9,7 @@
 #include "core/error.h"
 #include "georeference/local_frame.h"
 #include "georeference/utm_grid.h"
+#include "tests/dataset/sample_data.h"
 #include "tests/support/message_of.h"
 #include "tests/support/seeded_random.h"
 #include "tests/support/temporary_folder.h"
@@ -41,6 +42,14 @@ TEST(GnssFile, ReadsRowsInOrderOfTime) {
   EXPECT_EQ(second.longitude_deg, 4.40039856933333);
   EXPECT_EQ(second.altitude_m, 6.246);
   EXPECT_EQ(second.sigma_enu_m, Eigen::Vector3d(0.004, 0.005, 0.009));  // the file has north first
+}
+
+TEST(GnssFile, TakesAStatusInAnyCase) {
+  const TemporaryFolder folder;
+  const GnssReading reading =
+      ReadGnssFile(folder.Write("gps.txt", Replaced(kRows, "RTK_FIXED", "rtk_Fixed")));
+  ASSERT_EQ(reading.fixes.size(), 2U);
+  EXPECT_EQ(reading.fixes[1].status, kRtkFixed);
 }
 
 TEST(GnssFile, CountsARepeatedFixOnce) {

@@ -77,6 +77,15 @@ TEST_F(RigFileTest, ABaselineThatIsNotInMetresIsQuestioned) {
   }
 }
 
+TEST_F(RigFileTest, ALeverThatIsNotInMetresIsQuestioned) {
+  EXPECT_THAT(ComplaintAbout("antenna_in_left: [150, -420, 80]"),
+              HasSubstr("expected metres, at most 30 m from the left camera, found 453.1 m"));
+  EXPECT_THAT(ComplaintAbout("imu_from_left: {R: [1,0,0, 0,1,0, 0,0,1], t: [10, 0, 250]}"),
+              HasSubstr("found 250.2 m: are they millimetres?"));
+  EXPECT_EQ(Read(SampleRigText() + "antenna_in_left: [10, -20, 15]\n").antenna_in_left,
+            Eigen::Vector3d(10, -20, 15));
+}
+
 TEST_F(RigFileTest, MayStateHowWellTheBaselineIsKnown) {
   EXPECT_FALSE(Read(SampleRigText()).baseline_sigma_m);
   const StereoRig rig = Read(SampleRigText() + "sigmas: {baseline_m: 0.0002}\n");
@@ -262,6 +271,11 @@ TEST_F(RigFileTest, CameraMustMakeSense) {
                   "32 pixels wide, found "));
   }
   EXPECT_THAT(Complaint("  fx: 30.5", "  fx: .nan"), HasSubstr("expected a finite number"));
+  for (const char* other : {"  fy: 305", "  fy: 10"}) {
+    EXPECT_THAT(Complaint("  fy: 30.25", other),
+                HasSubstr("rig.yaml:6: expected focal lengths alike, fy within 2.5 times fx either "
+                          "way, found fx = 30.5 and fy = "));
+  }
   EXPECT_THAT(Complaint("  cx: 15.5", "  cx: 32"),
               HasSubstr("expected the principal point inside the image of 32 x 24 pixels"));
   EXPECT_THAT(Complaint("  cy: 11.75", "  cy: -0.6"), HasSubstr("principal point"));

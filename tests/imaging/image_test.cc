@@ -9,11 +9,13 @@
 #include <cstdint>
 #include <fstream>
 #include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
 #include <string>
 #include <thread>
 #include <vector>
 
 #include "core/error.h"
+#include "core/file.h"
 #include "core/memory_peak.h"
 #include "tests/support/message_of.h"
 #include "tests/support/seeded_random.h"
@@ -180,6 +182,47 @@ TEST(ReadGrey, RefusesWhatIsCutOff) {
     std::filesystem::resize_file(path, std::filesystem::file_size(path) * 2 / 3);
     EXPECT_THROW(ReadGrey(path, CameraOf(30, 20)), UnreadableImage) << name;
   }
+}
+
+// A scene as cameras see it, not noise.
+cv::Mat SmoothImage(int type) {
+  cv::Mat image(120, 160, type);
+  cv::randu(image, 0, 256);
+  cv::GaussianBlur(image, image, cv::Size(), 3.0);
+  return image;
+}
+
+TEST(ReadGrey, DecodesJpegAsOpenCvDoes) {
+  const TemporaryFolder folder;
+  const std::string path = folder.Path() / "a.jpg";
+  const Camera camera = CameraOf(160, 120);
+  for (const int type : {CV_8UC1, CV_8UC3}) {
+    ASSERT_TRUE(cv::imwrite(path, SmoothImage(type)));
+    const cv::Mat grey = cv::imread(path, cv::IMREAD_GRAYSCALE), colour = cv::imread(path);
+    EXPECT_EQ(LargestDifference(ReadGrey(path, camera), grey), 0.0);
+    EXPECT_EQ(LargestDifference(ReadColour(path, camera), colour), 0.0);
+  }
+}
+
+// Its end is there, so that only the decoder finds it.
+TEST(ReadGrey, RefusesAJpegThatIsDamagedWithin) {
+  const TemporaryFolder folder;
+  const std::string path = folder.Path() / "a.jpg";
+  ASSERT_TRUE(cv::imwrite(path, SmoothImage(CV_8UC1), {cv::IMWRITE_JPEG_QUALITY, 96}));
+  const std::string whole = ReadBytes(path);
+  std::string damaged = whole;
+  const auto middle = static_cast<std::ptrdiff_t>(whole.size() / 2);
+  std::fill_n(damaged.begin() + middle, 200, '\x55');
+  WriteTestFile(path, damaged);
+  EXPECT_TRUE(IsWholeImage(path));
+  testing::internal::CaptureStderr();
+  EXPECT_THROW(ReadGrey(path, CameraOf(160, 120)), UnreadableImage);
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
+  // Which cameras may write before its end.
+  WriteTestFile(path, whole.substr(0, whole.size() - 2) + std::string(3, '\0') + "\xff\xd9");
+  const cv::Mat padded = ReadGrey(path, CameraOf(160, 120));
+  WriteTestFile(path, whole);
+  EXPECT_EQ(LargestDifference(padded, ReadGrey(path, CameraOf(160, 120))), 0.0);
 }
 
 // A PNG of one byte of pixels, whose header claims `side` x `side` of them.

@@ -24,6 +24,7 @@ namespace rigmap {
 namespace {
 
 namespace fs = std::filesystem;
+using testing::AllOf;
 using testing::HasSubstr;
 
 using Frames = std::vector<std::string>;
@@ -189,6 +190,16 @@ TEST_F(CalibrateTest, PartsRunWithAPoolCountOnceInTheNext) {
   ASSERT_EQ(again.pool->parts.size(), 2U);
   ExpectAgree(again.rig, first.rig);
   EXPECT_NEAR(Known(again.rig) / Known(first.rig), 1.0, 0.1);
+}
+
+TEST_F(CalibrateTest, RefusesAPoolWhoseCorrectionsLeaveNoRig) {
+  PooledRig pooled = Pool({Part("a", {"a"}, {start_, {}}), Part("b", {"b"}, {start_, {}})});
+  pooled.pool->parts[0].correction(kLogFocal) = 40.0;
+  EXPECT_THAT(MessageOf<DataError>([&] { WithoutPart(pooled, {"a"}); }),
+              AllOf(HasSubstr("expected corrections of a pool that leave a rig, found that of the "
+                              "part with frame a: corrected:"),
+                    HasSubstr("expected a focal length in pixels")));
+  EXPECT_TRUE(WithoutPart(pooled, {"b"}));
 }
 
 TEST_F(CalibrateTest, RefusesWhatCountsTwiceOrIsOfAnotherRig) {

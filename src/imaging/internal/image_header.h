@@ -21,7 +21,7 @@ struct ImageHeader {
 //
 // A PNG or JPEG is whole if its end marker stands in the last kilobyte (cameras pad behind it), a
 // PNM file if it is long enough for its pixels, a TIFF if its strips or tiles lie within the file.
-// Damage in between is not seen.
+// Damage in between is not seen before the pixels are decoded.
 std::optional<ImageHeader> ReadImageHeader(const std::filesystem::path& path);
 
 }  // namespace rigmap
