@@ -8,18 +8,14 @@
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
-#include "imaging/image.h"
+#include "imaging/picture.h"
 #include "report/base64.h"
 
 namespace rigmap {
 
 std::string PictureUrl(const std::filesystem::path& path, int side_px, int quality) {
-  // OpenCV decodes what is left of a file that was cut, and libjpeg says so on standard error.
-  if (!IsWholeImage(path)) return "";
   try {
-    constexpr int kAsStored =
-        cv::IMREAD_COLOR | cv::IMREAD_ANYDEPTH | cv::IMREAD_IGNORE_ORIENTATION;
-    cv::Mat image = cv::imread(path.string(), kAsStored);
+    cv::Mat image = ReadPicture(path);
     if (image.empty()) return "";
     // Of 16 bits cameras use 10, 12 or all.
     if (image.depth() != CV_8U) cv::normalize(image, image, 0.0, 255.0, cv::NORM_MINMAX, CV_8U);

@@ -2,10 +2,14 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
+#include <string>
 
+#include "core/file.h"
 #include "tests/support/temporary_folder.h"
+#include "tests/support/test_file.h"
 
 namespace rigmap {
 namespace {
@@ -24,6 +28,20 @@ TEST(PictureUrl, ShowsImagesOfTwelveBits) {
   };
   EXPECT_THAT(url(eight), testing::StartsWith("data:image/jpeg;base64,"));
   EXPECT_EQ(url(twelve), url(eight));
+}
+
+TEST(PictureUrl, OfAnImageThatIsDamagedWithinThereIsNone) {
+  const TemporaryFolder folder;
+  const auto path = folder.Path() / "image.jpg";
+  cv::Mat noise(480, 640, CV_8UC1);
+  cv::randu(noise, 0, 255);
+  cv::imwrite(path.string(), noise);
+  std::string bytes = ReadBytes(path);
+  std::fill_n(bytes.begin() + static_cast<std::ptrdiff_t>(bytes.size() / 2), 200, '\x55');
+  WriteTestFile(path, bytes);
+  testing::internal::CaptureStderr();
+  EXPECT_EQ(PictureUrl(path, 64, 90), "");
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
 }
 
 TEST(PictureUrl, OfAnImageThatWasCutThereIsNone) {
