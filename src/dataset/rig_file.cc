@@ -1,6 +1,5 @@
 #include <fmt/format.h>
 
-#include <Eigen/SVD>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -13,23 +12,6 @@
 namespace rigmap {
 namespace {
 
-// No vehicle carries two cameras that far apart.
-constexpr double kMaxBaseline_m = 10.0;
-// Nor an antenna that far from them.
-constexpr double kMaxLever_m = 30.0;
-// Lenses that see metres are not so small.
-constexpr double kMinBaseline_m = 0.002;
-// Numbers in such files are rounded to six decimals or better.
-constexpr double kMaxBaselineErrorM = 1e-6;
-// Largest entry of R^T R - 1: three decimals are enough to tell a rotation from a typing error.
-constexpr double kMaxRotationDefect = 1e-3;
-// About one pixel over the width of an image.
-constexpr double kMaxRectifiedErrorRad = 1e-3;
-
-DataError Complaint(const YamlNode& node, const std::string& what) {
-  return DataError(fmt::format("{}: {}", node.where, what));
-}
-
 void RefuseFisheye(const YamlNode& model) {
   constexpr std::array kFisheyeNames{"FISHEYE", "KANNALA", "EQUIDISTANT", "FOV", "OMNI", "MEI"};
   std::string name = model.AsString();
@@ -37,7 +19,7 @@ void RefuseFisheye(const YamlNode& model) {
                  [](unsigned char letter) { return static_cast<char>(std::toupper(letter)); });
   for (const std::string_view fisheye : kFisheyeNames) {
     if (name.find(fisheye) != std::string::npos) {
-      throw Complaint(
+      throw RigComplaint(
           model, fmt::format("expected model PINHOLE, OPENCV or FULL_OPENCV, found the fisheye "
                              "model '{}', which is not supported",
                              model.scalar));
@@ -50,10 +32,10 @@ constexpr std::size_t kOpenCvNumbers = 4, kFullOpenCvNumbers = 8;
 void RefuseMisplacedDistortion(const YamlNode& eye) {
   for (const char* key : {"k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6"}) {
     if (const YamlNode* node = eye.Find(key)) {
-      throw Complaint(*node,
-                      fmt::format("expected {} in distortion: [k1, k2, p1, p2], or [k1, k2, "
-                                  "p1, p2, k3, 0, 0, 0] of model FULL_OPENCV, found it alone",
-                                  key));
+      throw RigComplaint(*node,
+                         fmt::format("expected {} in distortion: [k1, k2, p1, p2], or [k1, k2, "
+                                     "p1, p2, k3, 0, 0, 0] of model FULL_OPENCV, found it alone",
+                                     key));
     }
   }
 }
@@ -63,18 +45,20 @@ std::vector<double> ReadFullDistortion(const YamlNode& node) {
   auto numbers = node.AsDoubles(node.items.size() == 5 ? 5 : kFullOpenCvNumbers);
   numbers.resize(kFullOpenCvNumbers);
   if (std::any_of(numbers.begin() + 5, numbers.end(), [](double k) { return k != 0.0; })) {
-    throw Complaint(node, fmt::format("expected distortion: [k1, k2, p1, p2, k3, 0, 0, 0], found "
-                                      "[{}]: k4, k5 and k6 are not supported",
-                                      fmt::join(numbers, ", ")));
+    throw RigComplaint(node,
+                       fmt::format("expected distortion: [k1, k2, p1, p2, k3, 0, 0, 0], found "
+                                   "[{}]: k4, k5 and k6 are not supported",
+                                   fmt::join(numbers, ", ")));
   }
   return numbers;
 }
 
 std::vector<double> ReadPlainDistortion(const YamlNode& node) {
   if (node.items.size() > kOpenCvNumbers) {
-    throw Complaint(node, fmt::format("expected distortion: [k1, k2, p1, p2], found {} numbers: k3 "
-                                      "is of the model FULL_OPENCV",
-                                      node.items.size()));
+    throw RigComplaint(node,
+                       fmt::format("expected distortion: [k1, k2, p1, p2], found {} numbers: k3 "
+                                   "is of the model FULL_OPENCV",
+                                   node.items.size()));
   }
   auto numbers = node.AsDoubles(kOpenCvNumbers);
   numbers.push_back(0.0);
@@ -83,7 +67,7 @@ std::vector<double> ReadPlainDistortion(const YamlNode& node) {
 
 int ReadSize(const YamlNode& node) {
   const int size = node.AsInt();
-  if (size <= 0) throw Complaint(node, fmt::format("expected a positive size, found {}", size));
+  if (size <= 0) throw RigComplaint(node, fmt::format("expected a positive size, found {}", size));
   return size;
 }
 
@@ -93,12 +77,12 @@ double ReadFocal(const YamlNode& node, int width) {
   constexpr double kShortest = 0.1, kLongest = 100.0;
   const double focal = node.AsDouble();
   if (!(focal > 0.0)) {
-    throw Complaint(node, fmt::format("expected a positive focal length, found {}", focal));
+    throw RigComplaint(node, fmt::format("expected a positive focal length, found {}", focal));
   }
   if (focal < kShortest * width || focal > kLongest * width) {
-    throw Complaint(node, fmt::format("expected a focal length in pixels, of {:g} to {:g} for "
-                                      "images {} pixels wide, found {}",
-                                      kShortest * width, kLongest * width, width, focal));
+    throw RigComplaint(node, fmt::format("expected a focal length in pixels, of {:g} to {:g} for "
+                                         "images {} pixels wide, found {}",
+                                         kShortest * width, kLongest * width, width, focal));
   }
   return focal;
 }
@@ -108,10 +92,10 @@ void RequireAspect(const YamlNode& eye, const Camera& camera) {
   constexpr double kMostUnlike = 2.5;
   const double aspect = camera.fy / camera.fx;
   if (aspect > 1.0 / kMostUnlike && aspect < kMostUnlike) return;
-  throw Complaint(eye.At("fy"),
-                  fmt::format("expected focal lengths alike, fy within {:g} times fx either way, "
-                              "found fx = {:g} and fy = {:g}",
-                              kMostUnlike, camera.fx, camera.fy));
+  throw RigComplaint(
+      eye.At("fy"), fmt::format("expected focal lengths alike, fy within {:g} times fx either way, "
+                                "found fx = {:g} and fy = {:g}",
+                                kMostUnlike, camera.fx, camera.fy));
 }
 
 // Half-way to its corners at least, an image must have rays; calibrations run wild beyond.
@@ -120,10 +104,11 @@ void RequireRays(const YamlNode& eye, const Camera& camera) {
   for (const double x : {0.0, camera.width - 1.0}) {
     for (const double y : {0.0, camera.height - 1.0}) {
       if (Undistort(camera, 0.5 * (middle + Eigen::Vector2d(x, y)))) continue;
-      throw Complaint(eye.At("distortion"),
-                      fmt::format("expected a distortion that at least the middle of the image can "
-                                  "be freed from, found k1 = {:g}, k2 = {:g}, k3 = {:g}",
-                                  camera.k1, camera.k2, camera.k3));
+      throw RigComplaint(
+          eye.At("distortion"),
+          fmt::format("expected a distortion that at least the middle of the image can "
+                      "be freed from, found k1 = {:g}, k2 = {:g}, k3 = {:g}",
+                      camera.k1, camera.k2, camera.k3));
     }
   }
 }
@@ -132,8 +117,9 @@ void ReadDistortion(const YamlNode& eye, Camera& camera) {
   const YamlNode& model = eye.At("model");
   const bool pinhole = model.scalar == "PINHOLE", full = model.scalar == "FULL_OPENCV";
   if (!pinhole && !full && model.scalar != "OPENCV") {
-    throw Complaint(model, fmt::format("expected model PINHOLE, OPENCV or FULL_OPENCV, found '{}'",
-                                       model.scalar));
+    throw RigComplaint(
+        model,
+        fmt::format("expected model PINHOLE, OPENCV or FULL_OPENCV, found '{}'", model.scalar));
   }
   if (pinhole && !eye.Find("distortion")) return;
   const YamlNode& distortion = eye.At("distortion");
@@ -144,8 +130,9 @@ void ReadDistortion(const YamlNode& eye, Camera& camera) {
   camera.p2 = numbers[3];
   camera.k3 = numbers[4];
   if (pinhole && !camera.IsPinhole()) {
-    throw Complaint(distortion, fmt::format("expected no distortion for model PINHOLE, found [{}]",
-                                            fmt::join(distortion.AsDoubles(kOpenCvNumbers), ", ")));
+    throw RigComplaint(distortion,
+                       fmt::format("expected no distortion for model PINHOLE, found [{}]",
+                                   fmt::join(distortion.AsDoubles(kOpenCvNumbers), ", ")));
   }
 }
 
@@ -160,10 +147,11 @@ Camera ReadCamera(const YamlNode& eye) {
   camera.cx = eye.At("cx").AsDouble();
   camera.cy = eye.At("cy").AsDouble();
   if (!camera.Contains({camera.cx, camera.cy})) {
-    throw Complaint(eye.At("cx"),
-                    fmt::format("expected the principal point inside the image of {} x {} pixels, "
-                                "found ({}, {})",
-                                camera.width, camera.height, camera.cx, camera.cy));
+    throw RigComplaint(
+        eye.At("cx"),
+        fmt::format("expected the principal point inside the image of {} x {} pixels, "
+                    "found ({}, {})",
+                    camera.width, camera.height, camera.cx, camera.cy));
   }
   if (!camera.IsPinhole()) RequireRays(eye, camera);
   return camera;
@@ -177,9 +165,10 @@ PixelRegion ReadRegion(const YamlNode& node, const Camera& camera) {
                            static_cast<int>(std::floor(inside(edges[2], camera.width))),
                            static_cast<int>(std::floor(inside(edges[3], camera.height)))};
   if (region.x0 >= region.x1 || region.y0 >= region.y1) {
-    throw Complaint(node, fmt::format("expected [x0, y0, x1, y1] with x0 < x1 and y0 < y1 inside "
-                                      "the image of {} x {} pixels, found [{}]",
-                                      camera.width, camera.height, fmt::join(edges, ", ")));
+    throw RigComplaint(node,
+                       fmt::format("expected [x0, y0, x1, y1] with x0 < x1 and y0 < y1 inside "
+                                   "the image of {} x {} pixels, found [{}]",
+                                   camera.width, camera.height, fmt::join(edges, ", ")));
   }
   return region;
 }
@@ -195,94 +184,18 @@ RigEye ReadEye(const YamlNode& node, const std::filesystem::path& folder) {
     eye.calibrated_region = ReadRegion(*region, eye.camera);
   }
   if (const YamlNode* mask = node.Find("mask")) {
-    if (mask->AsString().empty()) throw Complaint(*mask, "expected a mask image, found ''");
+    if (mask->AsString().empty()) throw RigComplaint(*mask, "expected a mask image, found ''");
     eye.mask_path =
         std::filesystem::absolute(folder / mask->AsString()).lexically_normal().string();
   }
   return eye;
 }
 
-Eigen::Quaterniond ReadRotation(const YamlNode& node) {
-  const auto numbers = node.AsDoubles(9);
-  const Eigen::Matrix3d matrix =
-      Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(numbers.data());
-  const double defect =
-      (matrix.transpose() * matrix - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
-  if (!(defect <= kMaxRotationDefect)) {
-    throw Complaint(node,
-                    fmt::format("expected a rotation, R^T R = 1 to {}, found it off by {:.3g}",
-                                kMaxRotationDefect, defect));
-  }
-  if (matrix.determinant() < 0.0) {
-    throw Complaint(node, "expected a rotation, determinant +1, found a reflection, -1");
-  }
-  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(matrix, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  const Eigen::Matrix3d nearest = svd.matrixU() * svd.matrixV().transpose();
-  return Eigen::Quaterniond(nearest).normalized();
-}
-
-Eigen::Vector3d ReadVector(const YamlNode& node) {
-  return Eigen::Vector3d(node.AsDoubles(3).data());
-}
-
-// Of something else on the vehicle, from the left camera.
-Eigen::Vector3d ReadLever(const YamlNode& node) {
-  const Eigen::Vector3d lever_m = ReadVector(node);
-  if (lever_m.norm() <= kMaxLever_m) return lever_m;
-  throw Complaint(node, fmt::format("expected metres, at most {:g} m from the left camera, found "
-                                    "{:.4g} m: are they millimetres?",
-                                    kMaxLever_m, lever_m.norm()));
-}
-
-Rigid3 ReadRigid(const YamlNode& node) {
-  node.RequireKeys({"R", "t"});
-  return {ReadRotation(node.At("R")), ReadVector(node.At("t"))};
-}
-
-void CheckBaseline(const YamlNode& root, const StereoRig& rig) {
-  const YamlNode& motion = root.At("right_from_left").At("t");
-  if (!(rig.Baseline() > 0.0)) throw Complaint(motion, "expected a baseline above 0 m, found 0 m");
-  if (rig.Baseline() < kMinBaseline_m) {
-    throw Complaint(motion, fmt::format("expected a baseline in metres, found {:.4g} m: is it in "
-                                        "another unit?",
-                                        rig.Baseline()));
-  }
-  if (rig.Baseline() > kMaxBaseline_m) {
-    throw Complaint(motion, fmt::format("expected a baseline in metres, found {:.4g} m: is it in "
-                                        "millimetres, or the focal length times the baseline, as a "
-                                        "projection matrix has it?",
-                                        rig.Baseline()));
-  }
-  const double right_x_in_left = rig.right_from_left.Inverse().translation.x();
-  if (!(right_x_in_left > 0.0)) {
-    throw Complaint(motion, fmt::format("expected the right camera to the right of the left one, "
-                                        "found it {} m to the left: are the eyes or the direction "
-                                        "swapped?",
-                                        -right_x_in_left));
-  }
-  const YamlNode* baseline = root.Find("baseline_m");
-  if (baseline && !(std::abs(baseline->AsDouble() - rig.Baseline()) <= kMaxBaselineErrorM)) {
-    throw Complaint(*baseline, fmt::format("expected baseline_m to equal the length of t, {:.7f} m "
-                                           "(to {} m), found {}",
-                                           rig.Baseline(), kMaxBaselineErrorM, baseline->scalar));
-  }
-}
-
-void CheckRectified(const YamlNode& root, const Rigid3& right_from_left) {
-  const YamlNode* rectified = root.Find("rectified");
-  if (!rectified || !rectified->AsBool()) return;
-  const double turn_rad = AngleOf(right_from_left.rotation);
-  const Eigen::Vector3d& t = right_from_left.translation;
-  const double slant_rad = std::atan2(t.tail<2>().norm(), -t.x());
-  if (turn_rad > kMaxRectifiedErrorRad || slant_rad > kMaxRectifiedErrorRad) {
-    throw Complaint(*rectified,
-                    fmt::format("expected R = 1 and t along -x (to {} rad) where rectified is "
-                                "true, found R turned by {:.4g} rad, t by {:.4g} rad",
-                                kMaxRectifiedErrorRad, turn_rad, slant_rad));
-  }
-}
-
 }  // namespace
+
+DataError RigComplaint(const YamlNode& node, const std::string& what) {
+  return DataError(fmt::format("{}: {}", node.where, what));
+}
 
 StereoRig ReadRigNode(const YamlNode& root, const std::filesystem::path& path) {
   root.RequireKeys({"left", "right", "right_from_left", "baseline_m", "rectified",

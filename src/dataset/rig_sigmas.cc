@@ -9,10 +9,6 @@
 namespace rigmap {
 namespace {
 
-DataError SigmaComplaint(const YamlNode& node, const std::string& what) {
-  return DataError(fmt::format("{}: {}", node.where, what));
-}
-
 RigSigmas ReadSingleSigmas(const YamlNode& node) {
   RigSigmas stated;
   for (const auto& [key, sigma] : {std::pair{"rotation_deg", &stated.rotation_deg},
@@ -25,13 +21,12 @@ RigSigmas ReadSingleSigmas(const YamlNode& node) {
     if (!found) continue;
     *sigma = found->AsDouble();
     if (!(**sigma > 0.0)) {
-      throw SigmaComplaint(*found,
-                           fmt::format("expected a sigma above 0, found {}", found->scalar));
+      throw RigComplaint(*found, fmt::format("expected a sigma above 0, found {}", found->scalar));
     }
     if (node.Find("covariance")) {
-      throw SigmaComplaint(*found, fmt::format("expected a covariance or single sigmas, found {} "
-                                               "beside a covariance",
-                                               key));
+      throw RigComplaint(*found, fmt::format("expected a covariance or single sigmas, found {} "
+                                             "beside a covariance",
+                                             key));
     }
   }
   return stated;
@@ -45,7 +40,7 @@ void ReadSigmasNode(const YamlNode& node, StereoRig& rig) {
   if (const YamlNode* baseline = node.Find("baseline_m")) {
     const double sigma_m = baseline->AsDouble();
     if (!(sigma_m >= 0.0)) {
-      throw SigmaComplaint(*baseline, fmt::format("expected a sigma, found {}", sigma_m));
+      throw RigComplaint(*baseline, fmt::format("expected a sigma, found {}", sigma_m));
     }
     rig.baseline_sigma_m = sigma_m;
   }
@@ -69,8 +64,7 @@ CalibrationMatrix ReadCovariance(const YamlNode& node) {
   const CalibrationVector scale = covariance.diagonal().cwiseSqrt().cwiseInverse();
   const CalibrationMatrix correlations = scale.asDiagonal() * covariance * scale.asDiagonal();
   if (!correlations.allFinite() || correlations.llt().info() != Eigen::Success) {
-    throw SigmaComplaint(node,
-                         "expected a covariance, found a matrix that is not positive definite");
+    throw RigComplaint(node, "expected a covariance, found a matrix that is not positive definite");
   }
   return covariance;
 }

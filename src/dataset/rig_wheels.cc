@@ -9,18 +9,13 @@ namespace {
 
 constexpr int kDrives = 6, kSteeringJoints = 4;
 
-DataError WheelComplaint(const YamlNode& node, const std::string& what) {
-  return DataError(fmt::format("{}: {}", node.where, what));
-}
-
 // Counted from 1; 0: none.
 std::optional<int> SteeringJoint(const YamlNode& node, double number) {
   const int joint = static_cast<int>(number);
   if (joint != number || joint < 0 || joint > kSteeringJoints) {
-    throw WheelComplaint(node,
-                         fmt::format("expected steering joints 1 to {}, or 0 for a wheel that "
-                                     "is not steered, found {}",
-                                     kSteeringJoints, number));
+    throw RigComplaint(node, fmt::format("expected steering joints 1 to {}, or 0 for a wheel that "
+                                         "is not steered, found {}",
+                                         kSteeringJoints, number));
   }
   return joint > 0 ? std::optional(joint - 1) : std::nullopt;
 }
@@ -33,8 +28,8 @@ RoverWheels ReadWheelsNode(const YamlNode& node) {
   if (const YamlNode* radius = node.Find("radius_m")) {
     rover.radius_m = radius->AsDouble();
     if (!(*rover.radius_m > 0.0)) {
-      throw WheelComplaint(*radius,
-                           fmt::format("expected metres above 0, found {}", *rover.radius_m));
+      throw RigComplaint(*radius,
+                         fmt::format("expected metres above 0, found {}", *rover.radius_m));
     }
   }
   const auto contacts = node.At("contacts_in_imu").AsDoubles(3 * kDrives);
