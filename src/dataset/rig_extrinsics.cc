@@ -48,7 +48,6 @@ Eigen::Vector3d ReadVector(const YamlNode& node) {
 
 }  // namespace
 
-// Of something else on the vehicle, from the left camera.
 Eigen::Vector3d ReadLever(const YamlNode& node) {
   const Eigen::Vector3d lever_m = ReadVector(node);
   if (lever_m.norm() <= kMaxLever_m) return lever_m;
@@ -65,8 +64,9 @@ Rigid3 ReadRigid(const YamlNode& node) {
 
 void CheckBaseline(const YamlNode& root, const StereoRig& rig) {
   const YamlNode& motion = root.At("right_from_left").At("t");
-  if (!(rig.Baseline() > 0.0))
+  if (!(rig.Baseline() > 0.0)) {
     throw RigComplaint(motion, "expected a baseline above 0 m, found 0 m");
+  }
   if (rig.Baseline() < kMinBaseline_m) {
     throw RigComplaint(motion,
                        fmt::format("expected a baseline in metres, found {:.4g} m: is it in "

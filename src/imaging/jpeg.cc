@@ -2,6 +2,8 @@
 
 #include <turbojpeg.h>
 
+#include <array>
+#include <fstream>
 #include <memory>
 #include <regex>
 #include <string>
@@ -10,6 +12,14 @@
 
 namespace rigmap {
 namespace {
+
+// Of a file of another kind no more is read than this.
+bool IsJpeg(const std::filesystem::path& path) {
+  std::array<char, 3> start{};
+  std::ifstream stream(path, std::ios::binary);
+  stream.read(start.data(), start.size());
+  return stream && start == std::array{'\xff', '\xd8', '\xff'};
+}
 
 using Decoder = std::unique_ptr<void, decltype(&tjDestroy)>;
 
@@ -32,8 +42,8 @@ bool IsDecoded(const Decoder& decoder, const std::string& bytes, cv::Mat& pixels
 }  // namespace
 
 std::optional<cv::Mat> DecodeJpeg(const std::filesystem::path& path, bool as_grey) {
+  if (!IsJpeg(path)) return std::nullopt;
   const std::string bytes = ReadBytes(path);
-  if (!bytes.starts_with("\xff\xd8\xff")) return std::nullopt;
   const Decoder decoder(tjInitDecompress(), &tjDestroy);
   int width = 0, height = 0, subsampling = 0, colours = 0;
   if (tjDecompressHeader3(decoder.get(), reinterpret_cast<const unsigned char*>(bytes.data()),
