@@ -57,7 +57,8 @@ std::vector<std::filesystem::path> StepFiles(const std::filesystem::path& out) {
   }
   if (!std::filesystem::exists(folder)) return files;
   for (const auto& entry : std::filesystem::directory_iterator(folder)) {
-    if (!std::ranges::count(files, entry.path())) of_parts.push_back(entry.path());
+    if (entry.path().extension() != ".tum" || std::ranges::count(files, entry.path())) continue;
+    of_parts.push_back(entry.path());
   }
   std::ranges::sort(of_parts);
   files.insert(files.end(), of_parts.begin(), of_parts.end());

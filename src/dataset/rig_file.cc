@@ -106,9 +106,9 @@ void RequireRays(const YamlNode& eye, const Camera& camera) {
       if (Undistort(camera, 0.5 * (middle + Eigen::Vector2d(x, y)))) continue;
       throw RigComplaint(
           eye.At("distortion"),
-          fmt::format("expected a distortion that at least the middle of the image can "
-                      "be freed from, found k1 = {:g}, k2 = {:g}, k3 = {:g}",
-                      camera.k1, camera.k2, camera.k3));
+          fmt::format("expected a distortion that at least the middle of the image can be freed "
+                      "from, found k1 = {:g}, k2 = {:g}, p1 = {:g}, p2 = {:g}, k3 = {:g}",
+                      camera.k1, camera.k2, camera.p1, camera.p2, camera.k3));
     }
   }
 }

@@ -197,7 +197,12 @@ FaultPlan PlanFaults(std::span<const std::string> specs, int frames, std::uint64
   for (auto& turn : turns) {
     for (FaultRequest& request : turn) (planner.*FaultNameOf(request.spec).plan)(request);
   }
-  return planner.plan();
+  FaultPlan plan = planner.plan();
+  if (frames > 0 && std::ranges::all_of(plan.frames, &FrameFault::dropped)) {
+    throw UsageError(fmt::format(
+        "--fault dropped: expected at least one frame to be left, found all {} dropped", frames));
+  }
+  return plan;
 }
 
 std::string DescribeFaultNames() {

@@ -184,6 +184,7 @@ TEST(Faults, ComplainsInSentences) {
   EXPECT_THAT(ComplaintAbout({"dropped=57"}), HasSubstr("found 57"));
   EXPECT_THAT(ComplaintAbout({"black=57"}), HasSubstr("at most 56"));
   EXPECT_THAT(ComplaintAbout({"slip=50:61"}), HasSubstr("within the frames 0:60"));
+  EXPECT_THAT(ComplaintAbout({"dropped=0:60"}), HasSubstr("at least one frame to be left"));
   EXPECT_THAT(ComplaintAbout({"slip=5:5"}), HasSubstr("found '5:5'"));
   EXPECT_THAT(ComplaintAbout({"slip=5:x"}), HasSubstr("found '5:x'"));
   EXPECT_THAT(ComplaintAbout({"glare=1.5"}), HasSubstr("a share from 0 to 1"));

@@ -164,11 +164,13 @@ TEST_F(EvaluatePartTest, ComparesWithTheTrackOfAPrism) {
   fs::copy(out_ / "trajectory.tum", out_ / "steps" / "odometry.tum");
   const auto yard = folder_.Path() / "yard";
   fs::create_directories(yard);
+  WriteTestFile(out_ / "steps" / "notes.txt", "no trajectory");
   const auto file = WriteTestFile(yard / "groundtruth_xy.txt", track);
   const json metrics = json::parse(EvaluatePart({out_, yard, true}));
   EXPECT_NEAR(metrics["scale_truth_over_est"].get<double>(), 1.1, 0.01);
   EXPECT_GT(metrics["rms_se2_m"], 10.0 * metrics["rms_sim2_m"].get<double>());
   EXPECT_EQ(metrics["steps"]["odometry"]["rms_se2_m"], metrics["rms_se2_m"]);
+  EXPECT_EQ(metrics["steps"].size(), 1u);
   const auto other = WriteTestFile(folder_.Path() / "prism.txt", track);
   EXPECT_EQ(json::parse(EvaluatePart({out_, other, true})), metrics);
   WriteTestFile(file, "1 2 3\n2 x 3\n");
