@@ -17,26 +17,12 @@
 #include "adjustment/internal/drift_effect.h"
 #include "adjustment/internal/lens_description.h"
 #include "adjustment/internal/pose_sigmas.h"
+#include "adjustment/internal/rig_flexure.h"
 #include "core/statistics.h"
 #include "correspondence/tracks.h"
 
 namespace rigmap {
 namespace {
-
-// Robust sigma of one coordinate from distances: the median of a Rayleigh distribution is 1.1774
-// of its sigma. Most observations have fewer degrees of freedom than coordinates, so that
-// residuals fall short of the noise; the redundancy mends that.
-double NoisePx(const std::vector<double>& errors_px, double redundancy, double floor_px) {
-  constexpr double kRayleighMedian = 1.1774;
-  return std::max(floor_px,
-                  Median(errors_px) / kRayleighMedian / std::sqrt(std::max(redundancy, 0.1)));
-}
-
-std::size_t ObservationCount(const std::vector<AdjustedPoint>& points) {
-  std::size_t count = 0;
-  for (const AdjustedPoint& point : points) count += point.observations.size();
-  return count;
-}
 
 class Adjuster {
  public:
@@ -66,6 +52,12 @@ class Adjuster {
     constexpr int kMaxCorrections = 16;
     for (int i = 0; i < kMaxCorrections && CorrectRig(); ++i) adjust(kRoughTolerance);
     const bool is_final = !input_.is_provisional || correction_.isZero();
+    bool gives = false;
+    for (int i = 0; is_final && i < kMaxCorrections && FollowFlexure(); ++i) {
+      adjust(kRoughTolerance);
+      gives = true;
+    }
+    for (int i = 0; gives && i < kMaxCorrections && CorrectRig(); ++i) adjust(kRoughTolerance);
     if (is_final) {
       for (int i = 0; i < kMaxCorrections && DescribeLens(); ++i) adjust(kRoughTolerance);
     }
@@ -80,7 +72,7 @@ class Adjuster {
     if (bundle_.points.empty()) return;
     SolveBundle(options_.huber_sigmas * noise_px_, function_tolerance, bundle_);
     const auto errors = ErrorsPx(bundle_);
-    noise_px_ = NoisePx(errors, Redundancy(), options_.min_noise_px);
+    noise_px_ = std::max(options_.min_noise_px, NoisePx(errors, bundle_));
     DropBeyond(options_.outlier_sigmas * noise_px_, errors, bundle_);
     KeepGroupsApart();
     spdlog::info("noise {:.3f} px, {} points, {} of {} observations dropped", noise_px_,
@@ -89,33 +81,28 @@ class Adjuster {
   }
 
   Linearisation Linearised() const {
-    return {bundle_.points,     bundle_.left_from_world,           bundle_.rig,
-            noise_px_,          options_.huber_sigmas * noise_px_, lens_.Field(),
-            lens_.Information()};
+    return {bundle_.points,
+            bundle_.left_from_world,
+            bundle_.rig,
+            noise_px_,
+            options_.huber_sigmas * noise_px_,
+            lens_.Field(),
+            lens_.Information(),
+            flexure_.IsFound() ? &flexure_ : nullptr};
   }
 
   CameraSystemResult SolveSystem() const {
     CameraSystemResult system = SolveCameraSystem(Linearised(), input_.references);
-    if (PathExtent() < bundle_.rig.Baseline()) system.calibration.reset();
+    if (!TellsOfTheRig()) system.calibration.reset();
     return system;
   }
 
-  // Largest distance of a camera from the first.
-  double PathExtent() const {
-    std::optional<Eigen::Vector3d> first;
-    double extent_m = 0.0;
-    for (const auto& pose : bundle_.left_from_world) {
-      if (!pose) continue;
-      const Eigen::Vector3d position = pose->Inverse().translation;
-      if (!first) first = position;
-      extent_m = std::max(extent_m, (position - *first).norm());
-    }
-    return extent_m;
-  }
+  // Shorter paths add nothing to what one frame tells of the rig.
+  bool TellsOfTheRig() const { return PathExtent_m(bundle_) >= bundle_.rig.Baseline(); }
 
   // False, with nothing changed, where no correction is called for or the last one has settled.
   bool CorrectRig() {
-    if (PathExtent() < bundle_.rig.Baseline()) return false;
+    if (!TellsOfTheRig()) return false;
     const auto solution = SolveCalibration(Linearised());
     if (!solution) return false;
     // More is freed only once what is free has roughly settled: until then it may make up for the
@@ -128,22 +115,42 @@ class Adjuster {
     return MoveRig(input_.is_provisional ? kRoughlySettled : kSettled, *solution, prior);
   }
 
+  // False, with nothing changed, where the rig does not give, and once its turns have settled.
+  bool FollowFlexure() {
+    constexpr double kSettledPx = 0.005;
+    if (options_.refine_rig != RigRefinement::kAuto || !TellsOfTheRig()) return false;
+    const bool is_new = !flexure_.IsFound();
+    if (is_new && !flexure_.Begin(Linearised(), options_)) return false;
+    const auto solution = SolveCalibration(Linearised());
+    if (!solution) return false;
+    const CalibrationVector step =
+        StepOf(*solution, AsGoodAsFound(prior_, correction_, solution->equations, options_));
+    const double largest_px =
+        bundle_.rig.right.camera.MeanFocal() * RigFlexure::LargestStep(solution->responses, step);
+    if (!is_new && largest_px < kSettledPx) return false;
+    Follow(*solution, step);
+    return true;
+  }
+
+  // To the most probable correction with the parameters of `refined_` free.
+  CalibrationVector StepOf(const CalibrationSolution& solution,
+                           const CalibrationPrior& prior) const {
+    const auto better = MostProbable(refined_, correction_, solution.equations, prior, options_);
+    return better ? CalibrationVector(better->correction - correction_) : CalibrationVector::Zero();
+  }
+
   // What is left in the residuals and the same in all frames. False, with nothing changed, where
   // there is no such thing, and once it has settled.
   bool DescribeLens() {
     constexpr double kSettledPx = 0.005;
-    if (options_.refine_rig != RigRefinement::kAuto || PathExtent() < bundle_.rig.Baseline()) {
-      return false;
-    }
+    if (options_.refine_rig != RigRefinement::kAuto || !TellsOfTheRig()) return false;
     const bool is_new = !lens_.Field();
     if (is_new && !lens_.Begin(Linearised(), options_)) return false;
     const auto solution = SolveCalibration(Linearised());
     if (!solution) return false;
     const CalibrationPrior prior =
         AsGoodAsFound(prior_, correction_, solution->equations, options_);
-    const auto better = MostProbable(refined_, correction_, solution->equations, prior, options_);
-    const CalibrationVector step =
-        better ? CalibrationVector(better->correction - correction_) : CalibrationVector::Zero();
+    const CalibrationVector step = StepOf(*solution, prior);
     if (!is_new && FieldStep(*solution, step).cwiseAbs().maxCoeff() < kSettledPx) return false;
     lens_.TakeSigma(Linearised(), *solution, prior, correction_, options_);
     Follow(*solution, step);
@@ -165,6 +172,7 @@ class Adjuster {
       if (pose) pose = Moved(*pose, solution.responses[i], step);
     }
     if (solution.field) lens_.Move(FieldStep(solution, step));
+    flexure_.Move(solution.responses, step);
   }
 
   // To the most probable correction with the parameters of `refined_` free, the poses following;
@@ -185,16 +193,7 @@ class Adjuster {
   std::vector<AdjustedPoint> TriangulateWithin(double max_error_px) const {
     return TriangulateTracks(tracks_, input_.correspondences, bundle_.rig, bundle_.left_from_world,
                              max_error_px, options_.max_depth_baselines * bundle_.rig.Baseline(),
-                             lens_.Field());
-  }
-
-  double Redundancy() const {
-    const auto posed = std::count_if(bundle_.left_from_world.begin(), bundle_.left_from_world.end(),
-                                     [](const auto& pose) { return pose.has_value(); });
-    const double coordinates = 2.0 * static_cast<double>(ObservationCount(bundle_.points));
-    const double unknowns =
-        3.0 * static_cast<double>(bundle_.points.size()) + 6.0 * static_cast<double>(posed);
-    return 1.0 - unknowns / std::max(coordinates, 1.0);
+                             lens_.Field(), &flexure_);
   }
 
   void KeepGroupsApart() {
@@ -283,6 +282,7 @@ class Adjuster {
   std::vector<Track> tracks_;
   Bundle bundle_;
   LensDescription lens_;
+  RigFlexure flexure_;
   CalibrationPrior prior_;
   RigRefinement refined_;
   CalibrationVector correction_;

@@ -31,6 +31,10 @@ class PosedFrames {
     return View{o.eye == Eye::kLeft ? pose : rig_.right_from_left * pose, *normalised};
   }
 
+  Eigen::Vector2d Steadied(const RigFlexure& flexure, const PointObservation& o) const {
+    return flexure.Steadied(rig_.right.camera, o.frame, o.pixel);
+  }
+
   double ErrorPx(const PointObservation& o, const Eigen::Vector3d& x) const {
     const auto pixel = projections_[o.frame].Project(o.eye, x);
     return pixel ? (*pixel - o.pixel).norm() : std::numeric_limits<double>::infinity();
@@ -64,9 +68,12 @@ std::optional<std::ptrdiff_t> WorstBeyond(double max_error_px, const AdjustedPoi
 
 // All observations of a track in frames that have a pose, but for pixels without a ray.
 ViewedPoint Observe(const Track& track, const Correspondences& correspondences,
-                    const PosedFrames& frames, const LensField* field) {
+                    const PosedFrames& frames, const LensField* field, const RigFlexure* flexure) {
   ViewedPoint seen;
   const auto add = [&](PointObservation observation) {
+    if (flexure != nullptr && observation.eye == Eye::kRight) {
+      observation.pixel = frames.Steadied(*flexure, observation);
+    }
     if (field != nullptr) {
       observation.pixel += field->Displacement(observation.eye, observation.pixel);
     }
@@ -123,11 +130,11 @@ bool IsDetermined(const AdjustedPoint& point, const StereoRig& rig,
 std::vector<AdjustedPoint> TriangulateTracks(
     const std::vector<Track>& tracks, const Correspondences& correspondences, const StereoRig& rig,
     const std::vector<std::optional<Rigid3>>& left_from_world, double max_error_px,
-    double max_depth_m, const LensField* field) {
+    double max_depth_m, const LensField* field, const RigFlexure* flexure) {
   const PosedFrames frames(rig, left_from_world);
   std::vector<std::optional<AdjustedPoint>> found(tracks.size());
   tbb::parallel_for(std::size_t{0}, tracks.size(), [&](std::size_t i) {
-    ViewedPoint seen = Observe(tracks[i], correspondences, frames, field);
+    ViewedPoint seen = Observe(tracks[i], correspondences, frames, field, flexure);
     if (!TriangulatePoint(seen, frames, max_error_px)) return;
     AdjustedPoint& point = seen.point;
     if (!IsDetermined(point, rig, left_from_world)) return;

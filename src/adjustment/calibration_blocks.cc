@@ -6,6 +6,7 @@
 #include <array>
 
 #include "adjustment/internal/point_inverse.h"
+#include "adjustment/internal/rig_flexure.h"
 #include "adjustment/reprojection.h"
 
 namespace rigmap {
@@ -35,6 +36,11 @@ CalibrationBlock EquationsOf(const AdjustedPoint& point, const Linearisation& at
     residual += j.pose * pose.step;
     Eigen::Matrix<double, 2, kCalibrationSize> by_calibration =
         j.calibration + j.pose * pose.by_calibration;
+    if (at.flexure != nullptr && o.eye == Eye::kRight) {
+      const auto by_turn = j.calibration.middleCols<3>(kRotationX);
+      residual += by_turn * pose.turn_step;
+      by_calibration += by_turn * pose.turn_by_calibration;
+    }
     if (at.field != nullptr) {
       const LensField::Support support = at.field->At(o.eye, o.pixel);
       residual -= at.field->Follow(support, field.step);
@@ -87,13 +93,43 @@ int PosedCount(const Linearisation& at) {
       std::ranges::count_if(at.left_from_world, [](const auto& pose) { return pose.has_value(); }));
 }
 
-}  // namespace
-
-std::vector<int> StretchesOf(const Linearisation& at, int stretches) {
+// Of the posed frames before each frame.
+std::vector<int> RanksOf(const Linearisation& at) {
   std::vector<int> rank(at.left_from_world.size(), 0);
   for (std::size_t frame = 1; frame < rank.size(); ++frame) {
     rank[frame] = rank[frame - 1] + (at.left_from_world[frame - 1] ? 1 : 0);
   }
+  return rank;
+}
+
+// What the prior of its turn says of the calibration, which the turn follows.
+CalibrationBlock EquationsOfTurn(const RigFlexure& flexure, std::size_t frame,
+                                 const PoseResponse& response) {
+  const Eigen::Matrix<double, kCalibrationSize, 3> weighed =
+      response.turn_by_calibration.transpose() * flexure.Information().asDiagonal();
+  return {-weighed * (flexure.Turns()[frame] + response.turn_step),
+          weighed * response.turn_by_calibration};
+}
+
+// Each frame's to its stretch, and in equal shares to all regions.
+void AddTurns(const Linearisation& at, const std::vector<PoseResponse>& responses,
+              CalibrationBlocks& blocks) {
+  const std::vector<int> ranks = RanksOf(at);
+  const int posed = PosedCount(at);
+  for (std::size_t frame = 0; frame < responses.size(); ++frame) {
+    if (!at.left_from_world[frame]) continue;
+    CalibrationBlock turn = EquationsOfTurn(*at.flexure, frame, responses[frame]);
+    blocks.stretches[ranks[frame] * blocks.stretches.size() / posed] += turn;
+    turn.score /= kRegions;
+    turn.information /= kRegions;
+    for (CalibrationBlock& region : blocks.regions) region += turn;
+  }
+}
+
+}  // namespace
+
+std::vector<int> StretchesOf(const Linearisation& at, int stretches) {
+  const std::vector<int> rank = RanksOf(at);
   const int posed = PosedCount(at);
   std::vector<int> found;
   for (const AdjustedPoint& point : at.points) {
@@ -132,6 +168,7 @@ CalibrationBlocks DivideCalibration(const Linearisation& at, const std::vector<P
     }
     blocks.score_covariance += score_covariances[stretch];
   }
+  if (at.flexure != nullptr) AddTurns(at, poses, blocks);
   return blocks;
 }
 

@@ -72,9 +72,15 @@ std::optional<CalibrationSolution> SolveBorder(const ReducedSystem& system,
   }
   solution.responses.assign(at.left_from_world.size(), {});
   for (std::size_t frame = 0; frame < at.left_from_world.size(); ++frame) {
-    if (!system.IsUnknown(frame)) continue;
-    solution.responses[frame] = {step.segment<6>(6 * system.unknown[frame]),
-                                 by_calibration.middleRows<6>(6 * system.unknown[frame])};
+    PoseResponse& response = solution.responses[frame];
+    if (system.IsUnknown(frame)) {
+      response.step = step.segment<6>(6 * system.unknown[frame]);
+      response.by_calibration = by_calibration.middleRows<6>(6 * system.unknown[frame]);
+    }
+    if (const int turn = system.turn[frame]; turn >= 0) {
+      response.turn_step = step.segment<3>(6 * turn);
+      response.turn_by_calibration = by_calibration.middleRows<3>(6 * turn);
+    }
   }
   CalibrationBlocks blocks = DivideCalibration(
       at, solution.responses, solution.field ? solution.field->response : FieldResponse{});

@@ -56,11 +56,11 @@ Matrix6d LeftFromPerturbation(const Rigid3& left_from_world) {
 std::vector<Vector6d> Inflations(const ReducedSystem& system, const Factor& factor,
                                  const SelectedInverse& inverse, const Poses& poses) {
   constexpr int kProbes = 60;
-  const int stride = (system.unknowns + kProbes - 1) / kProbes;
   std::vector<std::size_t> frames;  // of which the pose is unknown
   for (std::size_t frame = 0; frame < poses.size(); ++frame) {
     if (system.IsUnknown(frame)) frames.push_back(frame);
   }
+  const std::size_t stride = (frames.size() + kProbes - 1) / kProbes;
   const std::size_t probes = (frames.size() + stride - 1) / stride;
   std::vector<Vector6d> probed(probes);
   tbb::parallel_for(std::size_t{0}, probes, [&](std::size_t probe) {

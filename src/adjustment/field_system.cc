@@ -20,7 +20,7 @@ struct TouchedNode {
   Eigen::Matrix<double, 2, 3> coupling = Eigen::Matrix<double, 2, 3>::Zero();  // with the point
 };
 
-// An unknown pose that sees a point.
+// An unknown pose, or turn of a right eye, that sees a point.
 struct SeeingPose {
   int unknown = 0;
   Eigen::Matrix<double, 6, 3> coupling = Eigen::Matrix<double, 6, 3>::Zero();
@@ -43,8 +43,7 @@ struct FieldPoint {
 
 class FieldAssembly {
  public:
-  FieldAssembly(const Linearisation& at, const ReducedSystem& system)
-      : at_(at), unknown_(system.unknown) {
+  FieldAssembly(const Linearisation& at, const ReducedSystem& system) : at_(at), system_(system) {
     const int size = at.field->Size();
     sum_.information = Eigen::MatrixXd::Zero(size, size);
     sum_.pose_coupling = Eigen::MatrixXd::Zero(6 * system.unknowns, size);
@@ -71,27 +70,35 @@ class FieldAssembly {
     point.v += weight * j.point.transpose() * j.point;
     point.gradient += weight * j.point.transpose() * residual;
     point.calibration += weight * j.calibration.transpose() * j.point;
-    const int unknown = unknown_[o.frame];
-    if (unknown >= 0) {
-      if (point.poses.empty() || point.poses.back().unknown != unknown) {
-        point.poses.push_back({.unknown = unknown});
-      }
-      point.poses.back().coupling += weight * j.pose.transpose() * j.point;
-    }
     const LensField::Support support = at_.field->At(o.eye, o.pixel);
+    Couple(system_.unknown[o.frame], weight, j.pose, j.point, support, point);
+    if (o.eye == Eye::kRight) {
+      Couple(system_.turn[o.frame], weight, ByTurn(j), j.point, support, point);
+    }
     for (int i = 0; i < 4; ++i) {
       const int column = support.parameter[i];
       const double share = weight * support.weight[i];
       point.NodeOf(column).coupling -= share * j.point;
       sum_.gradient.segment<2>(column) -= share * residual;
       sum_.calibration_coupling.middleCols<2>(column) -= share * j.calibration.transpose();
-      if (unknown >= 0) {
-        sum_.pose_coupling.block<6, 2>(6 * unknown, column) -= share * j.pose.transpose();
-      }
       for (int k = 0; k < 4; ++k) {
         sum_.information.block<2, 2>(column, support.parameter[k]).diagonal().array() +=
             share * support.weight[k];
       }
+    }
+  }
+
+  void Couple(int unknown, double weight, const Eigen::Matrix<double, 2, 6>& by_unknown,
+              const Eigen::Matrix<double, 2, 3>& by_point, const LensField::Support& support,
+              FieldPoint& point) {
+    if (unknown < 0) return;
+    if (point.poses.empty() || point.poses.back().unknown != unknown) {
+      point.poses.push_back({.unknown = unknown});
+    }
+    point.poses.back().coupling += weight * by_unknown.transpose() * by_point;
+    for (int i = 0; i < 4; ++i) {
+      sum_.pose_coupling.block<6, 2>(6 * unknown, support.parameter[i]) -=
+          weight * support.weight[i] * by_unknown.transpose();
     }
   }
 
@@ -112,7 +119,7 @@ class FieldAssembly {
   }
 
   const Linearisation& at_;
-  const std::vector<int>& unknown_;
+  const ReducedSystem& system_;
   FieldSystem sum_;
 };
 

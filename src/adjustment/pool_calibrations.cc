@@ -32,6 +32,15 @@ CalibrationEquations EquationsAt(const CalibrationVector& correction,
   return sum;
 }
 
+// Whether a part holds its focal length beside a field of the lens, as single parts do: the common
+// one, however many agree, is then what the lens model lacks.
+bool IsFocalHeldByAField(const std::vector<CalibrationWitness>& parts,
+                         const CalibrationWitness* left_out) {
+  return std::ranges::any_of(parts, [=](const CalibrationWitness& part) {
+    return &part != left_out && part.equations.HasField() && part.correction(kLogFocal) == 0.0;
+  });
+}
+
 struct Estimate {
   RigRefinement refined = RigRefinement::kNone;
   ProbableCorrection found;
@@ -47,8 +56,10 @@ std::optional<Estimate> EstimateOf(const std::vector<CalibrationWitness>& parts,
   for (bool settled = false; !settled;) {
     const CalibrationEquations equations = EquationsAt(correction, parts, left_out);
     prior = AsGoodAsFound(usual, correction, equations, counted);
-    const RigRefinement next =
-        NextRefinement(estimate.refined, correction, equations, prior, counted);
+    RigRefinement next = NextRefinement(estimate.refined, correction, equations, prior, counted);
+    if (counted.refine_rig == RigRefinement::kAuto && IsFocalHeldByAField(parts, left_out)) {
+      next = std::min(next, RigRefinement::kAllButFocal);
+    }
     settled = next == estimate.refined || counted.refine_rig != RigRefinement::kAuto;
     estimate.refined = next;
     const auto probable = MostProbable(next, correction, equations, prior, counted);

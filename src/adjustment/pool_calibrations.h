@@ -50,11 +50,12 @@ std::optional<ProbableCorrection> PooledCorrection(const std::vector<Calibration
                                                    const AdjustmentOptions& options);
 
 // The most probable correction of the rig file given what all parts say, stretches of all of them
-// being left out in turn as in one part. The prior counts once. How far rigs differ between parts
-// is told by how far each part is from all others beyond what both leave unknown, in the mean of
-// the parts, as a share of the prior's covariance (a model of random effects, DerSimonian and Laird
-// 1986); one part tells nothing of it.
-// Nothing where the equations are singular. Parts of the same rig file only; at least one.
+// being left out in turn as in one part. A focal length that a part holds beside a field of its
+// lens stays held. The prior counts once. How far rigs differ between parts is told by how far each
+// part is from all others beyond what both leave unknown, in the mean of the parts, as a share of
+// the prior's covariance (a model of random effects, DerSimonian and Laird 1986); one part tells
+// nothing of it. Nothing where the equations are singular. Parts of the same rig file only; at
+// least one.
 std::optional<PooledCalibration> PoolCalibrations(const std::vector<CalibrationWitness>& parts,
                                                   const CalibrationPrior& prior,
                                                   const AdjustmentOptions& options);

@@ -8,6 +8,7 @@
 
 #include "adjustment/internal/datum_frames.h"
 #include "adjustment/internal/point_inverse.h"
+#include "adjustment/internal/rig_flexure.h"
 #include "adjustment/reprojection.h"
 
 namespace rigmap {
@@ -38,7 +39,7 @@ double Departure(const Eigen::Vector3d& first, const Eigen::Vector3d& ray) {
   return std::hypot(angle, std::log(ray.norm() / first.norm()));
 }
 
-// One unknown pose that sees a point.
+// One unknown pose, or turn of a right eye, that sees a point.
 struct PointView {
   int unknown = 0;
   Eigen::Matrix<double, 6, kPointSize> coupling = Eigen::Matrix<double, 6, kPointSize>::Zero();
@@ -74,16 +75,23 @@ void AddObservation(const PointObservation& observation, const Eigen::Vector3d& 
   point.calibration_score += weight * j.calibration.transpose() * residual;
   // Lazily: products of this shape are too small for blocked ones to pay.
   system.calibration += weight * j.calibration.transpose().lazyProduct(j.calibration);
-  const int unknown = system.unknown[observation.frame];
-  if (unknown < 0) return;
-  if (point.views.empty() || point.views.back().unknown != unknown) {
-    point.views.push_back({.unknown = unknown});
-  }
-  PointView& view = point.views.back();
-  view.coupling += weight * j.pose.transpose() * by_point;
-  view.score += weight * j.pose.transpose() * residual;
-  BlockOf(unknown, unknown, system) += weight * j.pose.transpose() * j.pose;
-  system.pose_calibration[unknown] += weight * j.pose.transpose().lazyProduct(j.calibration);
+  const auto add = [&](int unknown, const Eigen::Matrix<double, 2, 6>& by_unknown) {
+    if (unknown < 0) return;
+    if (point.views.empty() || point.views.back().unknown != unknown) {
+      point.views.push_back({.unknown = unknown});
+    }
+    PointView& view = point.views.back();
+    view.coupling += weight * by_unknown.transpose() * by_point;
+    view.score += weight * by_unknown.transpose() * residual;
+    BlockOf(unknown, unknown, system) += weight * by_unknown.transpose() * by_unknown;
+    system.pose_calibration[unknown] += weight * by_unknown.transpose().lazyProduct(j.calibration);
+  };
+  const int pose = system.unknown[observation.frame], turn = system.turn[observation.frame];
+  add(pose, j.pose);
+  if (turn < 0 || observation.eye == Eye::kLeft) return;
+  const Eigen::Matrix<double, 2, 6> by_turn = ByTurn(j);
+  add(turn, by_turn);
+  if (pose >= 0) BlockOf(turn, pose, system) += weight * by_turn.transpose() * j.pose;
 }
 
 // Subtracts what the point's own freedom takes away.
@@ -144,10 +152,25 @@ ReducedSystem NumberUnknowns(const Linearisation& at) {
   for (std::size_t i = 0; i < frames; ++i) {
     const bool is_held = !seen[i] || system.datum_frames[i] == static_cast<int>(i);
     system.unknown.push_back(is_held ? -1 : system.unknowns++);
+    const bool turns = seen[i] && at.flexure != nullptr;
+    system.turn.push_back(turns ? system.unknowns++ : -1);
+    if (turns) ++system.turns;
   }
   system.pose_calibration.assign(system.unknowns, PoseCalibration::Zero());
   system.pose_gradient.assign(system.unknowns, Vector6d::Zero());
   return system;
+}
+
+// What the prior says of the turns.
+void AddPrior(const RigFlexure& flexure, ReducedSystem& system) {
+  for (std::size_t i = 0; i < system.turn.size(); ++i) {
+    const int turn = system.turn[i];
+    if (turn < 0) continue;
+    Matrix6d& block = BlockOf(turn, turn, system);
+    block.diagonal().head<3>() += flexure.Information();
+    block.diagonal().tail<3>().array() += 1.0;
+    system.pose_gradient[turn].head<3>() += flexure.Information().cwiseProduct(flexure.Turns()[i]);
+  }
 }
 
 void AddUp(ReducedSystem part, ReducedSystem& sum) {
@@ -166,7 +189,7 @@ void AddUp(ReducedSystem part, ReducedSystem& sum) {
 }  // namespace
 
 double ReducedSystem::Redundancy() const {
-  const double count = point_unknowns + 6.0 * static_cast<double>(unknowns);
+  const double count = point_unknowns + 6.0 * (unknowns - turns) + 3.0 * turns;
   return std::max(0.1, 1.0 - count / std::max(coordinates, 1.0));
 }
 
@@ -180,6 +203,7 @@ ReducedSystem AssembleReducedSystem(const Linearisation& at) {
     }
   });
   for (ReducedSystem& part : parts) AddUp(std::move(part), sum);
+  if (at.flexure != nullptr) AddPrior(*at.flexure, sum);
   return sum;
 }
 

@@ -17,6 +17,14 @@ struct ReprojectionJacobians {
   Eigen::Matrix<double, 2, kCalibrationSize> calibration;
 };
 
+// By a turn of the right eye about its own axes, as by an unknown pose of which nothing is moved by
+// the last three coordinates.
+inline Eigen::Matrix<double, 2, 6> ByTurn(const ReprojectionJacobians& jacobians) {
+  Eigen::Matrix<double, 2, 6> by_turn = Eigen::Matrix<double, 2, 6>::Zero();
+  by_turn.leftCols<3>() = jacobians.calibration.middleCols<3>(kRotationX);
+  return by_turn;
+}
+
 struct Reprojection {
   Eigen::Vector2d pixel;  // where the point appears
   ReprojectionJacobians jacobians;

@@ -67,6 +67,28 @@ TEST_F(PoolCalibrationsTest, FindsWhatTheyHaveInCommonWhereverEachWasCorrectedTo
             0.5 * single.pooled.covariance(kRotationY, kRotationY));
 }
 
+TEST_F(PoolCalibrationsTest, HoldsTheFocalLengthThatAPartHoldsBesideAField) {
+  const CalibrationVector truth = Off(2.0, -1.5), held = Off(2.0, 0.0);
+  std::vector<CalibrationWitness> parts{Witness(truth, held), Witness(truth, held)};
+  EXPECT_EQ(Pool(parts).refined, RigRefinement::kAll);
+  for (CalibrationWitness& part : parts) {
+    part.equations.of_field.information.diagonal() =
+        1e-6 * prior_.sigmas.cwiseAbs2().cwiseInverse();
+  }
+  const PooledCalibration pooled = Pool(parts);
+  EXPECT_EQ(pooled.refined, RigRefinement::kAllButFocal);
+  EXPECT_EQ(pooled.pooled.correction(kLogFocal), 0.0);
+  EXPECT_GT(std::sqrt(pooled.pooled.covariance(kLogFocal, kLogFocal)),
+            0.5 * std::abs(truth(kLogFocal)));
+  // Parts that freed it themselves follow it together as well.
+  for (CalibrationWitness& part : parts) {
+    part = Witness(truth, truth);
+    part.equations.of_field.information.diagonal() =
+        1e-6 * prior_.sigmas.cwiseAbs2().cwiseInverse();
+  }
+  EXPECT_EQ(Pool(parts).refined, RigRefinement::kAll);
+}
+
 TEST_F(PoolCalibrationsTest, NamesAPartOfAnotherRig) {
   const CalibrationVector truth = Off(1.0, 0.0), other = Off(-1.0, 0.0);
   const PooledCalibration pooled =

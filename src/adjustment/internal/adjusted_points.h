@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "adjustment/internal/lens_field.h"
+#include "adjustment/internal/rig_flexure.h"
 #include "scene/adjustment.h"
 #include "scene/correspondences.h"
 
@@ -23,10 +24,10 @@ bool IsDetermined(const AdjustedPoint& point, const StereoRig& rig,
 // are passed over). Observations that lie further than max_error_px from the point's image are
 // dropped, the worst first, the point being triangulated anew each time. Tracks of which fewer than
 // two frames are left, or whose depth is not determined, are left out, as are those beyond the
-// depth limit (from the first frame). A field, if there is one, moves the pixels.
+// depth limit (from the first frame). Flexure and a field, if there are such, move the pixels.
 std::vector<AdjustedPoint> TriangulateTracks(
     const std::vector<Track>& tracks, const Correspondences& correspondences, const StereoRig& rig,
     const std::vector<std::optional<Rigid3>>& left_from_world, double max_error_px,
-    double max_depth_m, const LensField* field = nullptr);
+    double max_depth_m, const LensField* field = nullptr, const RigFlexure* flexure = nullptr);
 
 }  // namespace rigmap

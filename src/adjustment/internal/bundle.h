@@ -39,5 +39,11 @@ void DropUndetermined(Bundle& bundle);
 void DropThinFrames(Bundle& bundle);
 
 std::vector<int> ObservationsPerFrame(const Bundle& bundle);
+std::size_t ObservationCount(const std::vector<AdjustedPoint>& points);
+
+// Robust sigma (px) of one coordinate, by ErrorsPx.
+double NoisePx(const std::vector<double>& errors_px, const Bundle& bundle);
+// Largest distance (m) of a left camera from the first.
+double PathExtent_m(const Bundle& bundle);
 
 }  // namespace rigmap

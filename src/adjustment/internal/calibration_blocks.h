@@ -10,11 +10,15 @@
 namespace rigmap {
 
 // How an adjusted pose follows: the perturbation of left_from_world (rotation, translation) that
-// the normal equations ask for, and its derivative by the calibration. Zero for held frames.
+// the normal equations ask for, and its derivative by the calibration. Zero for held frames. The
+// same of the right eye's turn in the frame, zero without flexure.
 struct PoseResponse {
   Vector6d step = Vector6d::Zero();
   Eigen::Matrix<double, 6, kCalibrationSize> by_calibration =
       Eigen::Matrix<double, 6, kCalibrationSize>::Zero();
+  Eigen::Vector3d turn_step = Eigen::Vector3d::Zero();
+  Eigen::Matrix<double, 3, kCalibrationSize> turn_by_calibration =
+      Eigen::Matrix<double, 3, kCalibrationSize>::Zero();
 };
 
 // How the field of a lens does, a row for each of its parameters.

@@ -13,6 +13,8 @@
 
 namespace rigmap {
 
+class RigFlexure;
+
 // What is linearised, and how observations are weighted: as Huber's loss at `huber_px` does, the
 // noise being `noise_px`. Pixels of points have been moved by the field, if there is one;
 // `field_information` is what its prior says of each of its parameters (1/px^2).
@@ -23,6 +25,7 @@ struct Linearisation {
   double noise_px = 1.0, huber_px = 1.0;
   const LensField* field = nullptr;
   double field_information = 0.0;
+  const RigFlexure* flexure = nullptr;  // found, if any: its turns are unknown
   // Of what windows slide by over ground that is not flat: px by which both eyes' positions of a
   // point are off, for each unit by which the view departs from that of its first frame (angle of
   // the ray, rad, and logarithm of the ratio of distances, root of the sum of squares). Each point
@@ -34,15 +37,19 @@ struct Linearisation {
   }
 };
 
-// Unknowns are the poses of frames that are not held, in order of frames, and the calibration.
+// Unknowns are the poses of frames that are not held and turns of the right eye, if there is
+// flexure, in order of frames, and the calibration. A turn is a rotation whose last three
+// coordinates nothing moves.
 struct ReducedSystem {
   std::vector<int> datum_frames;  // per frame (DatumFrames)
   std::vector<int> unknown;       // per frame; nothing (-1) of a datum frame or one without points
-  int unknowns = 0;
+  std::vector<int> turn;          // the same of turns; nothing (-1) without flexure or points
+  int unknowns = 0, turns = 0;    // of both together; of turns
 
   std::map<std::pair<int, int>, Matrix6d> blocks;  // row, column: lower triangle
-  std::vector<PoseCalibration> pose_calibration;   // per unknown, coupling
-  std::vector<Vector6d> pose_gradient;             // per unknown
+  // Per unknown: coupling, gradient.
+  std::vector<PoseCalibration> pose_calibration;
+  std::vector<Vector6d> pose_gradient;
   CalibrationMatrix calibration = CalibrationMatrix::Zero();
   CalibrationVector calibration_gradient = CalibrationVector::Zero();
   // A track is a cluster: all its positions are aligned with one patch, or with each other's.
