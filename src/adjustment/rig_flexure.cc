@@ -109,20 +109,23 @@ Eigen::Vector2d RigFlexure::Steadied(const Camera& right, int frame,
 
 bool RigFlexure::Begin(const Linearisation& at, const AdjustmentOptions& options) {
   constexpr double kMinFrames = 8.0;  // as many as a whole part has stretches
-  constexpr double kChanceSigmas = 3.0, kTimesShared = 2.0;
+  constexpr double kChanceSigmas = 3.0;
   constexpr double kNeverTurns = 1e-9;  // rad
   const Agreement agreement = AgreementOf(at);
   if (agreement.frames < kMinFrames) return false;
-  // What shared noise adds to that of a frame's mean.
+  // What shared noise adds to that of a frame's mean, and so of the turns that make it: a roll
+  // moves pixels by their distance from the middle.
+  const Camera& right = at.rig.right.camera;
+  const double focal = right.MeanFocal(),
+               distance = std::hypot(right.width, right.height) / std::sqrt(12.0);  // rms
   const double shared_px =
       at.noise_px * std::sqrt((options.shared_noise * options.shared_noise - 1.0) *
                               agreement.frames / agreement.right_observations);
-  const double focal = at.rig.right.camera.MeanFocal();
+  const Eigen::Array3d shared(shared_px / focal, shared_px / focal, shared_px / distance);
   for (int axis = 0; axis < 3; ++axis) {
     const double both = agreement.both(axis);
     const double chance = std::sqrt(agreement.even(axis) * agreement.odd(axis) / agreement.frames);
-    const bool is_found =
-        both > kChanceSigmas * chance && focal * std::sqrt(both) > kTimesShared * shared_px;
+    const bool is_found = both > kChanceSigmas * chance && std::sqrt(both) > shared(axis);
     sigmas_(axis) = is_found ? std::sqrt(both) : 0.0;
   }
   if (sigmas_.isZero()) return false;
