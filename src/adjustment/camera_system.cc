@@ -60,7 +60,7 @@ std::vector<Vector6d> Inflations(const ReducedSystem& system, const Factor& fact
   for (std::size_t frame = 0; frame < poses.size(); ++frame) {
     if (system.IsUnknown(frame)) frames.push_back(frame);
   }
-  const std::size_t stride = (frames.size() + kProbes - 1) / kProbes;
+  const std::size_t stride = std::max<std::size_t>(1, (frames.size() + kProbes - 1) / kProbes);
   const std::size_t probes = (frames.size() + stride - 1) / stride;
   std::vector<Vector6d> probed(probes);
   tbb::parallel_for(std::size_t{0}, probes, [&](std::size_t probe) {

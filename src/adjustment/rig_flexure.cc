@@ -8,10 +8,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <optional>
 
-#include "adjustment/calibration.h"
-#include "adjustment/internal/calibration_border.h"
 #include "adjustment/reprojection.h"
 
 namespace rigmap {
