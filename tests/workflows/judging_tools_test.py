@@ -10,6 +10,7 @@ import sys
 import tempfile
 import types
 import unittest
+import unittest.mock
 
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -27,7 +28,7 @@ def load(name):
     return module
 
 
-sigmas = load('sigmas')
+sigmas, torture = load('sigmas'), load('torture')
 COLUMNS = ('stamp_ns,tx,ty,tz,qx,qy,qz,qw,sx,sy,sz,srx,sry,srz,source')
 
 
@@ -102,6 +103,70 @@ class Sigmas(unittest.TestCase):
         expected = np.zeros((3, 4))
         expected[1, 0] = 3.0
         np.testing.assert_allclose(errors, expected, atol=1e-6)
+
+
+    def prism_errors(self, folder, bend_m=0.0):
+        """Of a rover that drives a bend, a prism 0.3 m behind and 0.8 m above its camera."""
+        lever, turn, rows, track = np.array([0.0, -0.8, -0.3]), 0.7, [COLUMNS], []
+        for i in range(40):
+            heading = 0.04 * i
+            body = Rotation.from_euler('zx', [heading, -90], degrees=False)
+            x = np.array([2 * np.sin(heading), 2 - 2 * np.cos(heading), 0.1])
+            prism = Rotation.from_euler('z', turn).apply(body.apply(lever) + x) + [5, 6, 7]
+            track.append([i + 0.25, *prism[:2]])
+            x = x + [0.0, bend_m * (i / 39) ** 2, 0.0]
+            numbers = [*x, *body.as_quat(), *([0.0 if i == 0 else 1e-3] * 6)]
+            rows.append(','.join([str(10 ** 9 * i), *map(repr, map(float, numbers)), 'adjusted']))
+        path = pathlib.Path(folder)
+        (path / 'trajectory.csv').write_text('\n'.join(rows) + '\n')
+        fit = {'lever': lever.tolist(), 'dt_s': 0.25}
+        return sigmas.normalised_prism_errors(path, np.array(track), fit, 1e-3)
+
+    def test_a_prism_judges_horizontal_positions_by_its_sigma_and_theirs(self):
+        with tempfile.TemporaryDirectory() as folder:
+            exact, bent = self.prism_errors(folder), self.prism_errors(folder, 0.05)
+        self.assertEqual(exact.shape, (39, 2))
+        np.testing.assert_allclose(exact, 0, atol=1e-6)
+        # Its turn takes up some of it; the end is off by no more than 50 mm in sigmas of 1.7 mm.
+        self.assertGreater(np.abs(bent).max(), 5)
+        self.assertLess(np.abs(bent).max(), 50 / 1.7)
+
+    def test_a_file_of_three_columns_is_the_track_of_a_prism(self):
+        with tempfile.TemporaryDirectory() as folder:
+            path = pathlib.Path(folder) / 'truth.txt'
+            path.write_text('# t x y\n\n1.5 2 3\n')
+            self.assertTrue(sigmas.is_prism(path))
+            path.write_text('# t x y\n1.5 2 3 0 0 0 1 0\n')
+            self.assertFalse(sigmas.is_prism(path))
+            self.assertFalse(sigmas.is_prism(pathlib.Path(folder)))
+
+
+class Resuming(unittest.TestCase):
+    """What has been judged is not judged again, unless something else is asked."""
+
+    def judge(self, out, options=(), resume=True, faults=()):
+        part = simulated_part.Part('part-1-0000', ['--pairs', '12'], list(faults), [])
+        verdict = torture.Verdict(part, 'ok', 0, 0.1, -0.2, 0.3, math.nan, 'because')
+        called = []
+        args = types.SimpleNamespace(out=pathlib.Path(out), set=list(options), resume=resume)
+        with unittest.mock.patch.object(torture, 'judge',
+                                        lambda *_: called.append(1) or verdict):
+            found = torture.judge_once(part, part, args)
+        self.assertEqual(found.line(), verdict.line())
+        return len(called)
+
+    def test_torture_takes_up_where_it_ended(self):
+        with tempfile.TemporaryDirectory() as out:
+            self.assertEqual(self.judge(out), 1)
+            self.assertEqual(self.judge(out), 0)
+            self.assertEqual(self.judge(out, resume=False), 1)
+
+    def test_torture_judges_again_what_is_asked_otherwise(self):
+        with tempfile.TemporaryDirectory() as out:
+            self.judge(out)
+            self.assertEqual(self.judge(out, options=['adjustment.rounds=2']), 1)
+            self.assertEqual(self.judge(out, faults=['black=1']), 1)
+            self.assertEqual(self.judge(out, faults=['black=1']), 0)
 
 
 if __name__ == '__main__':
