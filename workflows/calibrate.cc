@@ -103,6 +103,19 @@ void WarnOfContradictions(const CalibrationPool& pool, const PooledCalibration& 
   }
 }
 
+// What a rig file says of where it comes from, for whoever opens it.
+std::string Note(const std::vector<GivenPart>& parts) {
+  std::string note;
+  for (const GivenPart& part : parts) {
+    if (part.contradiction.empty()) continue;
+    spdlog::warn("{} is not trusted, and in the pool all the same: {}", part.name,
+                 part.contradiction);
+    note += fmt::format("# Not trusted, and in it all the same: {}: {}\n", part.name,
+                        part.contradiction);
+  }
+  return note;
+}
+
 constexpr const char* kPooledMark = "# A rig as ";  // what such a file begins with
 
 // Only what an earlier calibration has written may be replaced.
@@ -132,9 +145,10 @@ std::string CalibrateNow(const CalibrateRequest& request) {
   PooledRig pooled{Corrected(pool.base, calibration->pooled.correction),
                    Contributions(pool, *calibration, options)};
   pooled.rig.calibration_covariance = calibration->pooled.covariance;
+  const std::string note = Note(pool.parts);
   WriteFileAtomically(request.rig_out, [&](std::ostream& stream) {
     stream << fmt::format("{}{} parts tell it together.\n", kPooledMark, pooled.pool->parts.size())
-           << WritePooledRigFile(pooled);
+           << note << WritePooledRigFile(pooled);
   });
   WarnOfContradictions(pool, *calibration);
   return Table(pool, *calibration, options);

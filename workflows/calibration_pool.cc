@@ -5,11 +5,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <set>
 #include <tuple>
 
 #include "core/error.h"
+#include "core/file.h"
+#include "gates/accuracy.h"
 #include "workflows/part_options.h"
 #include "workflows/rig_prior.h"
 
@@ -46,6 +49,23 @@ bool IsSameRig(const StereoRig& a, const StereoRig& b) {
          (!known || known->isApprox(*b.calibration_covariance, kRounding));
 }
 
+// Beside results that are only not as good as asked for: to make them better is what a pool is for.
+std::string ContradictionIn(const std::filesystem::path& out) {
+  const std::filesystem::path path = out / "summary.json";
+  if (!std::filesystem::exists(path)) return "";
+  try {
+    const auto summary = nlohmann::json::parse(ReadTextFile(path));
+    for (const auto& cause : summary.at("verdict").at("causes")) {
+      const std::vector<std::string> gates = cause.at("gates");
+      if (!std::ranges::all_of(gates, IsAboutAccuracy)) return cause.at("brief");
+    }
+    return "";
+  } catch (const nlohmann::json::exception&) {
+    throw DataError(fmt::format("{}: expected what rigmap part writes there, found other content",
+                                path.string()));
+  }
+}
+
 std::vector<GivenPart> ReadParts(const std::vector<std::filesystem::path>& outs) {
   std::vector<GivenPart> parts;
   for (const std::filesystem::path& out : outs) {
@@ -55,7 +75,7 @@ std::vector<GivenPart> ReadParts(const std::vector<std::filesystem::path>& outs)
                    out.string());
       continue;
     }
-    parts.push_back({out.string(), std::move(*part)});
+    parts.push_back({out.string(), std::move(*part), ContradictionIn(out)});
   }
   if (parts.empty()) throw DataError("expected a part that tells something of its rig, found none");
   return parts;

@@ -14,6 +14,7 @@ namespace rigmap {
 struct GivenPart {
   std::string name;
   PartCalibration calibration;
+  std::string contradiction;  // in it, as its summary.json says; empty: none
 };
 
 struct CalibrationPool {

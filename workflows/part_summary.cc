@@ -6,6 +6,7 @@
 #include <set>
 
 #include "core/json_text.h"
+#include "gates/accuracy.h"
 #include "pipeline/code_identity.h"
 #include "workflows/stages/gates_report.h"
 
@@ -53,6 +54,7 @@ Report Blank() {
         {"infinity_offset_sigma_px", nullptr},
         {"prior_factor", nullptr},
         {"lens_field_rms_px", nullptr},
+        {"flexure_px", nullptr},
         {"given", nullptr},
         {"used", nullptr}}},
       {"map",
@@ -99,17 +101,13 @@ Report StagesOf(const Ledger& ledger) {
   return stages;
 }
 
-bool IsAboutAccuracy(const Gate& gate) {
-  return gate.name == "scale_95_pct" || gate.name == "position_95_pct";
-}
-
 // The verdict as a surveyor would sign it: do the figures hold, and how good are they?
 std::string VerdictText(const Refusal& refusal, const Report& verdict) {
   if (verdict["text"].is_null()) return "";
   const std::string how_good = verdict["text"];
   if (refusal.causes.empty()) return how_good;
   const auto contradiction = std::ranges::find_if(refusal.causes, [](const Cause& cause) {
-    return !std::ranges::all_of(cause.gates, IsAboutAccuracy);
+    return !std::ranges::all_of(cause.gates, IsAboutAccuracy, &Gate::name);
   });
   if (contradiction != refusal.causes.end()) {
     return fmt::format("inconsistent: {}; were it right: {}", contradiction->brief, how_good);

@@ -267,6 +267,7 @@ class Adjuster {
     result.lens_field_rms_px = field ? field->RmsPx() : 0.0;
     result.rig.left.lens_field = field ? std::optional(field->Of(Eye::kLeft)) : std::nullopt;
     result.rig.right.lens_field = field ? std::optional(field->Of(Eye::kRight)) : std::nullopt;
+    result.right_turns = flexure_.Turns();
     result.rig_correction = correction_;
     result.rig_correction_sigmas = correction_.cwiseQuotient(prior_.sigmas);
     result.refined = refined_;

@@ -57,6 +57,15 @@ double LargestShiftPx(const StereoRig& from, const StereoRig& to);
 double LargestShiftSigmas(const StereoRig& from, const StereoRig& to,
                           const CalibrationPrior& prior);
 
+// Where a right eye would see without its turn (rad, about its own axes) what it sees at this
+// pixel; the pixel itself where that has no ray.
+Eigen::Vector2d Steadied(const Camera& right, const Eigen::Vector3d& turn,
+                         const Eigen::Vector2d& pixel);
+// How far turns of the right eye, one per frame, move its image from frame to frame: root mean
+// squares of what turns about x, y and z do at the middle of the image, those about z at the root
+// mean square distance from it. Zero without turns.
+Eigen::Vector3d FlexurePx(const Camera& right, const std::vector<Eigen::Vector3d>& turns);
+
 // The prior of a rig file that may be worse or better than files usually are. How much is told by
 // what the images find of it, all but the common focal length: the factor on the prior's covariance
 // that makes it most probable (MacKay 1992), where the quality of files is known only as five

@@ -112,6 +112,22 @@ double LargestShiftPx(const StereoRig& from, const StereoRig& to) {
   return largest_px;
 }
 
+Eigen::Vector2d Steadied(const Camera& right, const Eigen::Vector3d& turn,
+                         const Eigen::Vector2d& pixel) {
+  const auto ray = Undistort(right, pixel);
+  if (!ray) return pixel;
+  return Distort(right, (ExpRotation(-turn) * ray->homogeneous()).hnormalized());
+}
+
+Eigen::Vector3d FlexurePx(const Camera& right, const std::vector<Eigen::Vector3d>& turns) {
+  if (turns.empty()) return Eigen::Vector3d::Zero();
+  Eigen::Vector3d squares = Eigen::Vector3d::Zero();
+  for (const Eigen::Vector3d& turn : turns) squares += turn.cwiseAbs2();
+  const double focal = right.MeanFocal(), distance = right.RmsDistancePx();
+  const Eigen::Vector3d rms = (squares / static_cast<double>(turns.size())).cwiseSqrt();
+  return rms.cwiseProduct(Eigen::Vector3d(focal, focal, distance));
+}
+
 double LargestShiftSigmas(const StereoRig& from, const StereoRig& to,
                           const CalibrationPrior& prior) {
   constexpr double kStepSigmas = 0.01;  // where shifts are linear

@@ -9,6 +9,7 @@
 #include <array>
 #include <cmath>
 
+#include "adjustment/calibration.h"
 #include "adjustment/reprojection.h"
 
 namespace rigmap {
@@ -97,11 +98,7 @@ Eigen::Vector3d TurnStep(const PoseResponse& response, const CalibrationVector& 
 
 Eigen::Vector2d RigFlexure::Steadied(const Camera& right, int frame,
                                      const Eigen::Vector2d& pixel) const {
-  if (!IsFound()) return pixel;
-  const auto ray = Undistort(right, pixel);
-  if (!ray) return pixel;
-  const Eigen::Vector3d steadied = ExpRotation(-turns_[frame]) * ray->homogeneous();
-  return Distort(right, steadied.hnormalized());
+  return IsFound() ? rigmap::Steadied(right, turns_[frame], pixel) : pixel;
 }
 
 bool RigFlexure::Begin(const Linearisation& at, const AdjustmentOptions& options) {
@@ -113,8 +110,7 @@ bool RigFlexure::Begin(const Linearisation& at, const AdjustmentOptions& options
   // What shared noise adds to that of a frame's mean, and so of the turns that make it: a roll
   // moves pixels by their distance from the middle.
   const Camera& right = at.rig.right.camera;
-  const double focal = right.MeanFocal(),
-               distance = std::hypot(right.width, right.height) / std::sqrt(12.0);  // rms
+  const double focal = right.MeanFocal(), distance = right.RmsDistancePx();
   const double shared_px =
       at.noise_px * std::sqrt((options.shared_noise * options.shared_noise - 1.0) *
                               agreement.frames / agreement.right_observations);

@@ -24,22 +24,27 @@ DenseMatcher::DenseMatcher(const StereoRig& rig, double nearest_m, const DenseOp
   if (!left_mask.empty()) cv::bitwise_and(left_static_, left_mask, left_static_);
 }
 
-DepthMap DenseMatcher::Compute(const StereoFrame& frame) const {
+DepthMap DenseMatcher::Compute(const StereoFrame& frame, const Eigen::Vector3d& right_turn) const {
+  if (right_turn.isZero()) return Compute(frame, rectifier_);
+  return Compute(frame, rectifier_.WithRightTurned(right_turn));
+}
+
+DepthMap DenseMatcher::Compute(const StereoFrame& frame, const Rectifier& rectifier) const {
   const cv::Mat colour = ReadColour(frame.left_path, rig_.left.camera, frame.sample_bits);
   const cv::Mat right = ReadGrey(frame.right_path, rig_.right.camera, frame.sample_bits);
   cv::Mat left;
   cv::cvtColor(colour, left, cv::COLOR_BGR2GRAY);
-  RectifiedPair pair{rectifier_.RectifyLeft(left), rectifier_.RectifyRight(right),
-                     rectifier_.RectifyLeftMask(UsableForDepth(left, left_static_)),
-                     rectifier_.RectifyRightMask(UsableForDepth(right, right_static_))};
+  RectifiedPair pair{rectifier.RectifyLeft(left), rectifier.RectifyRight(right),
+                     rectifier.RectifyLeftMask(UsableForDepth(left, left_static_)),
+                     rectifier.RectifyRightMask(UsableForDepth(right, right_static_))};
   EqualiseContrast(pair.left_mask, pair.right_mask, pair.left, pair.right);
 
   DepthMap map;
   map.stamp_ns = frame.stamp_ns;
-  map.camera = rectifier_.RectifiedCamera();
-  map.left_from_rectified.rotation = rectifier_.LeftFromRectified();
-  map.baseline_m = rectifier_.BaselineM();
-  map.colour = rectifier_.RectifyLeft(colour);
+  map.camera = rectifier.RectifiedCamera();
+  map.left_from_rectified.rotation = rectifier.LeftFromRectified();
+  map.baseline_m = rectifier.BaselineM();
+  map.colour = rectifier.RectifyLeft(colour);
   const double depth_px = map.camera.fx * map.baseline_m;  // depth times disparity
   const double nearest_px = NearestPx();
   const double farthest_px = options_.max_range_m > 0.0 ? depth_px / options_.max_range_m : 0.0;
@@ -67,8 +72,9 @@ cv::Mat DenseMatcher::UsableForDepth(const cv::Mat& grey, const cv::Mat& static_
 
 double DenseMatcher::MegabytesPerFrame() const {
   // Both images as read and rectified, in colour and grey, with their masks; then views, masks,
-  // what is refined or compared at the edges, and the result.
-  constexpr double kInputBytes = 10.0, kOwnBytes = 70.0;
+  // what is refined or compared at the edges, the maps of a right eye that has turned, and the
+  // result.
+  constexpr double kInputBytes = 10.0, kOwnBytes = 78.0;
   const Camera camera = rectifier_.RectifiedCamera();
   const double pixels = static_cast<double>(camera.width) * camera.height;
   const double input_pixels = static_cast<double>(rig_.left.camera.width) * rig_.left.camera.height;

@@ -20,8 +20,10 @@ class DenseMatcher {
                const MaskOptions& mask_options, const cv::Mat& left_mask = {});
 
   // Reads both images, rectifies, matches, refines and keeps what is usable and known well enough,
-  // no further away than max_range_m. Throws DataError for images that cannot be read.
-  DepthMap Compute(const StereoFrame& frame) const;
+  // no further away than max_range_m. `right_turn`: of the right eye in this frame
+  // (Adjustment::right_turns). Throws DataError for images that cannot be read.
+  DepthMap Compute(const StereoFrame& frame,
+                   const Eigen::Vector3d& right_turn = Eigen::Vector3d::Zero()) const;
 
   double nearest_m() const { return nearest_m_; }
   // At most what one call of Compute takes, its result included, megabytes.
@@ -29,6 +31,7 @@ class DenseMatcher {
   double MegabytesPerView() const;  // of a depth map
 
  private:
+  DepthMap Compute(const StereoFrame& frame, const Rectifier& rectifier) const;
   cv::Mat UsableForDepth(const cv::Mat& grey, const cv::Mat& static_mask) const;
   double NearestPx() const;  // disparity of what is nearest
 

@@ -82,6 +82,10 @@ std::optional<double> ScaleSigmaOf(const Trajectory& trajectory) {
 
 }  // namespace
 
+bool IsAboutAccuracy(const std::string& gate) {
+  return gate == "scale_95_pct" || gate == "position_95_pct";
+}
+
 double Radius95(const Eigen::Matrix3d& covariance) {
   constexpr double kNormal95 = 1.645;
   // What is not a number must not pass for what is known.

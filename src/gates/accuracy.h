@@ -41,6 +41,9 @@ struct BesideCovariances {
 Accuracy AccuracyOf(const Trajectory& trajectory, const Adjustment& adjustment,
                     const StereoRig& rig, const BesideCovariances& beside = {});
 
+// True for the gates that ask how good a result is, not whether it contradicts itself.
+bool IsAboutAccuracy(const std::string& gate);
+
 // Radius of the sphere that holds a normally distributed error with 95 %, to 2 % (the weighted sum
 // of squares taken as a scaled chi square, Satterthwaite 1946; its quantile by Wilson and Hilferty
 // 1931). Infinite for what is not finite.

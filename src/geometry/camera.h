@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cmath>
 #include <optional>
 
 namespace rigmap {
@@ -15,6 +16,8 @@ struct Camera {
 
   bool IsPinhole() const { return k1 == 0.0 && k2 == 0.0 && p1 == 0.0 && p2 == 0.0 && k3 == 0.0; }
   double MeanFocal() const { return 0.5 * (fx + fy); }
+  // Root mean square distance of the image's pixels from its middle.
+  double RmsDistancePx() const { return std::hypot(width, height) / std::sqrt(12.0); }
   // True for a pixel whose centre lies in the image.
   bool Contains(const Eigen::Vector2d& pixel) const {
     return pixel.x() >= -0.5 && pixel.y() >= -0.5 && pixel.x() < width - 0.5 &&

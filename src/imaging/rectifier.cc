@@ -90,9 +90,10 @@ std::pair<double, int> PrincipalAndLength(double own, double low, double high) {
 
 }  // namespace
 
-Rectifier::Rectifier(const StereoRig& rig) : left_eye_(rig.left) {
+Rectifier::Rectifier(const StereoRig& rig) : left_eye_(rig.left), right_eye_(rig.right) {
   const RectifiedAxes axes = Rectify(rig.right_from_left);
   left_from_rectified_ = axes.rectified_from_left.conjugate();
+  right_from_rectified_ = axes.rectified_from_right.conjugate();
   baseline_m_ = axes.baseline_m;
 
   Bounds bounds = UsableBounds(rig.left, axes.rectified_from_left);
@@ -113,7 +114,14 @@ Rectifier::Rectifier(const StereoRig& rig) : left_eye_(rig.left) {
       PrincipalAndLength(left.cy, focal * bounds.low.y(), focal * bounds.high.y());
 
   left_ = MakeMaps(rig.left, left_from_rectified_);
-  right_ = MakeMaps(rig.right, axes.rectified_from_right.conjugate());
+  right_ = MakeMaps(rig.right, right_from_rectified_);
+}
+
+Rectifier Rectifier::WithRightTurned(const Eigen::Vector3d& turn) const {
+  Rectifier turned = *this;
+  turned.right_from_rectified_ = ExpRotation(turn) * right_from_rectified_;
+  turned.right_ = MakeMaps(right_eye_, turned.right_from_rectified_);
+  return turned;
 }
 
 std::optional<Eigen::Vector2d> Rectifier::RectifiedLeft(const Eigen::Vector2d& pixel) const {

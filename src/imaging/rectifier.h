@@ -27,6 +27,10 @@ class Rectifier {
   // rectified.
   explicit Rectifier(const StereoRig& rig);
 
+  // The same views of a right eye that has turned about its own axes (rad) since: its coordinates
+  // are the turn times what the rig says.
+  Rectifier WithRightTurned(const Eigen::Vector3d& turn) const;
+
   // Any image of the eye's size (8 bit, float) -> rectified view, 0 where the eye sees nothing.
   // Bilinear: exact on ramps, no overshoot beside saturated areas; bicubic and Lanczos gave noisier
   // disparities on sand. OpenCV's remap rounds positions to 1/32 px, whatever the type of its maps.
@@ -51,9 +55,9 @@ class Rectifier {
   };
   Maps MakeMaps(const RigEye& eye, const Eigen::Quaterniond& eye_from_rectified) const;
 
-  RigEye left_eye_;
+  RigEye left_eye_, right_eye_;
   Camera camera_;
-  Eigen::Quaterniond left_from_rectified_;
+  Eigen::Quaterniond left_from_rectified_, right_from_rectified_;
   double baseline_m_ = 0.0;
   Maps left_, right_;
 };

@@ -75,6 +75,10 @@ struct Adjustment {
   // Of the displacements that mend what the lens model does not describe; zero if none were called
   // for. Observations are where these have moved them.
   double lens_field_rms_px = 0.0;
+  // Per frame, by how much a rig that gives had turned its right eye away from `rig`, about that
+  // eye's axes (rad): the eye's coordinates are its turn times what `rig` says. Empty where it is
+  // stiff. Observations are where a stiff rig would have made them.
+  std::vector<Eigen::Vector3d> right_turns;
   double noise_px = 0.0;         // robust sigma of one residual coordinate
   double reprojection_px = 0.0;  // median distance
   double outlier_share = 0.0;    // of all observations of tracks in the posed frames
@@ -91,8 +95,9 @@ struct Adjustment {
     archive(world_from_left, datum_frames, covariances, link_covariances, by_calibration,
             calibration_covariance, points, rig, refined, rig_correction, rig_correction_sigmas,
             prior_factor, correction_px, correction_prior_sigmas, infinity_offset_px,
-            infinity_offset_sigma_px, lens_field_rms_px, scale_sigma, scale_sigma_of_noise,
-            noise_px, reprojection_px, outlier_share, calibration, calibration_inflation);
+            infinity_offset_sigma_px, lens_field_rms_px, right_turns, scale_sigma,
+            scale_sigma_of_noise, noise_px, reprojection_px, outlier_share, calibration,
+            calibration_inflation);
   }
 };
 

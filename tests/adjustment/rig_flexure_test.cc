@@ -14,18 +14,21 @@ class FlexureTest : public AdjustTest {
  protected:
   FlexureTest() { Make({.frames = 24, .points_per_m2 = 12.0, .pixel_sigma = 0.1, .seed = 75}); }
 
-  // Turns the right eye about its x and y axes, in each frame by other angles.
-  void Shake(double sigma_px) {
+  // Turns the right eye about its x and y axes, in each frame by other angles, which are returned.
+  std::vector<Eigen::Vector3d> Shake(double sigma_px) {
     const Camera& camera = rover_.rig.right.camera;
+    std::vector<Eigen::Vector3d> turns;
     for (auto& frame : correspondences_.features) {
       const Eigen::Vector3d turn(random_.Normal(sigma_px / camera.MeanFocal()),
                                  random_.Normal(sigma_px / camera.MeanFocal()), 0.0);
+      turns.push_back(turn);
       for (Feature& feature : frame) {
         if (!feature.right) continue;
         const Eigen::Vector3d ray = Undistort(camera, *feature.right).value().homogeneous();
         feature.right = Distort(camera, (ExpRotation(turn) * ray).hnormalized());
       }
     }
+    return turns;
   }
 
   Adjustment Adjusted(const AdjustmentOptions& options = {}) const {
@@ -57,6 +60,43 @@ TEST_F(FlexureTest, ARigThatShakesIsSteadied) {
   EXPECT_NEAR(steadied.noise_px, 0.1, 0.005) << "what was put in";
   EXPECT_LT(Error_m(steadied), 0.7 * Error_m(held));
   EXPECT_LT(Error_m(steadied), 3.0 * still_m);
+}
+
+TEST_F(FlexureTest, TurnsAreThoseThatWerePutIn) {
+  EXPECT_TRUE(Adjusted().right_turns.empty());
+  const auto put_in = Shake(0.2);
+  const Adjustment steadied = Adjusted();
+  ASSERT_EQ(steadied.right_turns.size(), put_in.size());
+  const Camera& camera = rover_.rig.right.camera;
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();  // which the rig itself takes up
+  for (std::size_t i = 0; i < put_in.size(); ++i) {
+    mean += (put_in[i] - steadied.right_turns[i]) / static_cast<double>(put_in.size());
+  }
+  double squares = 0.0;
+  for (std::size_t i = 0; i < put_in.size(); ++i) {
+    squares += (put_in[i] - steadied.right_turns[i] - mean).squaredNorm();
+  }
+  EXPECT_LT(camera.MeanFocal() * std::sqrt(squares / static_cast<double>(put_in.size())), 0.05);
+  const Eigen::Vector3d px = FlexurePx(camera, steadied.right_turns);
+  EXPECT_NEAR(px.x(), 0.2, 0.08);
+  EXPECT_NEAR(px.y(), 0.2, 0.08);
+  EXPECT_LT(px.z(), 0.05);
+}
+
+TEST(FlexurePx, IsWhatTurnsDoInTheImage) {
+  const Camera camera{600, 450, 500.0, 500.0, 300.0, 225.0};
+  EXPECT_EQ(FlexurePx(camera, {}), Eigen::Vector3d::Zero());
+  const double turn = 1e-3;
+  const Eigen::Vector3d px = FlexurePx(camera, {{turn, 0.0, turn}, {-turn, 0.0, turn}});
+  EXPECT_NEAR(px.x(), 0.5, 1e-12);
+  EXPECT_EQ(px.y(), 0.0);
+  double squares = 0.0;
+  for (int row = 0; row < camera.height; ++row) {
+    for (int column = 0; column < camera.width; ++column) {
+      squares += (Eigen::Vector2d(column, row) - Eigen::Vector2d(299.5, 224.5)).squaredNorm();
+    }
+  }
+  EXPECT_NEAR(px.z(), turn * std::sqrt(squares / (camera.width * camera.height)), 1e-6);
 }
 
 TEST_F(FlexureTest, SigmasOfASteadiedRigAreHonest) {

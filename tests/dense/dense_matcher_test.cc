@@ -88,6 +88,20 @@ TEST_P(DenseMatcherOnSand, FindsTheSand) {
   EXPECT_LT(errors[errors.size() * 19 / 20], 0.5) << "95 %, px";
 }
 
+// A rig that gives: the right eye sees the sand as if it had turned by minus that.
+TEST_P(DenseMatcherOnSand, FollowsARightEyeThatTurns) {
+  if (options_.method == DenseMethod::kBm) options_.block_px = 15;
+  const double turn = 0.5 / rig_.right.camera.fx;
+  rig_.right_from_left.rotation = ExpRotation({0.0, -turn, 0.0}) * rig_.right_from_left.rotation;
+  const auto median = [&](const DepthMap& map) {
+    const std::vector<double> errors = Errors(map);
+    return errors[errors.size() / 2];
+  };
+  const DenseMatcher matcher(rig_, nearest_m_, options_, {});
+  EXPECT_GT(std::abs(median(matcher.Compute(frame_))), 0.4) << "px";
+  EXPECT_NEAR(median(matcher.Compute(frame_, {0.0, turn, 0.0})), 0.0, 0.05) << "px";
+}
+
 // A camera that was exposed half as long.
 TEST_P(DenseMatcherOnSand, FindsAsMuchWhereOneEyeIsDarker) {
   const DenseMatcher matcher(rig_, nearest_m_, options_, {});

@@ -130,6 +130,35 @@ TEST_P(RectifierOfRig, ShowsPointsInEqualRowsAtTheirDisparity) {
   EXPECT_GT(seen, 500);
 }
 
+// What the eye's own axes have turned by, its view does not show.
+TEST_P(RectifierOfRig, ShowsThroughATurnedRightEyeWhatItWouldStraight) {
+  const Rectifier straight(rig_);
+  const Eigen::Vector3d turn(0.002, -0.003, 0.004);
+  const Rectifier turned = straight.WithRightTurned(turn);
+  const Camera& view = straight.RectifiedCamera();
+  ASSERT_EQ(turned.RectifiedCamera().width, view.width);
+  const cv::Mat columns = Ramp(rig_.right.camera, true), rows = Ramp(rig_.right.camera, false);
+  const cv::Mat x = straight.RectifyRight(columns), y = straight.RectifyRight(rows),
+                turned_x = turned.RectifyRight(columns), turned_y = turned.RectifyRight(rows);
+  EXPECT_EQ(cv::norm(straight.RectifyLeft(columns), turned.RectifyLeft(columns)), 0.0);
+  int seen = 0;
+  for (int row = 0; row < view.height; row += 7) {
+    for (int column = 0; column < view.width; column += 7) {
+      Eigen::Vector2d pixel(x.at<float>(row, column), y.at<float>(row, column));
+      if (!WellInside(rig_.right.camera, pixel)) continue;
+      if (rig_.right.lens_field) pixel += rig_.right.lens_field->At(pixel);
+      const auto ray = Undistort(rig_.right.camera, pixel);
+      ASSERT_TRUE(ray);
+      const auto moved = SeenBy(rig_.right, ExpRotation(turn) * ray->homogeneous());
+      if (!moved || !WellInside(rig_.right.camera, *moved)) continue;
+      ++seen;
+      EXPECT_NEAR(turned_x.at<float>(row, column), moved->x(), 0.05);
+      EXPECT_NEAR(turned_y.at<float>(row, column), moved->y(), 0.05);
+    }
+  }
+  EXPECT_GT(seen, 500);
+}
+
 TEST_P(RectifierOfRig, HoldsEveryUsablePixelOfTheLeftImage) {
   rig_.left.calibrated_region =
       PixelRegion{10, 20, rig_.left.camera.width - 30, rig_.left.camera.height - 10};

@@ -169,6 +169,26 @@ TEST_F(CalibrateTest, PartsOfFilesThatStateOtherSigmasAreRefused) {
               HasSubstr("expected a part made with the rig file of"));
 }
 
+// To make better what is only not good enough is what a pool is for.
+TEST_F(CalibrateTest, WhatContradictsItselfIsNamedInTheFile) {
+  const fs::path a = Part("a", {"a"}, {start_, {}}), b = Part("b", {"b"}, {start_, {}});
+  const auto file = [&](const char* gate) {
+    const nlohmann::json cause = {{"brief", "the map is bent"}, {"gates", {"scale_95_pct", gate}}};
+    folder_.Write(
+        "b/summary.json",
+        nlohmann::json({{"status", "untrusted"}, {"verdict", {{"causes", {cause}}}}}).dump());
+    Pool({a, b});
+    return ReadTextFile(folder_.Path() / "pooled.yaml");
+  };
+  EXPECT_THAT(file("position_95_pct"), testing::Not(HasSubstr("Not trusted")));
+  EXPECT_THAT(file("epipolar_px"),
+              testing::StartsWith("# A rig as 2 parts tell it together.\n# Not trusted, and in it "
+                                  "all the same: " +
+                                  b.string() + ": the map is bent\n"));
+  folder_.Write("b/summary.json", "{}");
+  EXPECT_THAT(Complaint({a, b}), HasSubstr("b/summary.json: expected what rigmap part writes"));
+}
+
 TEST_F(CalibrateTest, PartsRunWithAPoolCountOnceInTheNext) {
   const fs::path a = Part("a", {"a"}, {start_, {}}), b = Part("b", {"b"}, {start_, {}});
   const PooledRig first = Pool({a, b});

@@ -58,7 +58,12 @@ void PublishPosesAndPoints(const AdjustedPart& part, const Dataset& dataset,
 
 PosedPart PosedByAdjustment(const StageContext&, const Dataset& dataset, const AdjustedPart& part) {
   const Adjustment& adjustment = part.adjustment;
-  PosedPart posed{WithFilesOf(dataset, adjustment.rig), part.trajectory, {}, {}, part.world_up};
+  PosedPart posed{WithFilesOf(dataset, adjustment.rig),
+                  part.trajectory,
+                  {},
+                  {},
+                  part.world_up,
+                  adjustment.right_turns};
   posed.points_in_left.resize(adjustment.world_from_left.size());
   for (const AdjustedPoint& point : adjustment.points) {
     PosedPoint& seen = posed.points.emplace_back(part.world_from_gauge * point.x);

@@ -8,6 +8,7 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "adjustment/calibration.h"
 #include "core/error.h"
 #include "core/file.h"
 #include "core/json_file.h"
@@ -169,6 +170,7 @@ Report DescribeRigChange(const StereoRig& calibrated, const Adjustment& adjustme
           {"infinity_offset_sigma_px", adjustment.infinity_offset_sigma_px},
           {"prior_factor", adjustment.prior_factor},
           {"lens_field_rms_px", adjustment.lens_field_rms_px},
+          {"flexure_px", Numbers(FlexurePx(used.right.camera, adjustment.right_turns))},
           {"given", RigReport(calibrated)},
           {"used", RigReport(used)}};
 }

@@ -79,7 +79,8 @@ DepthIndex IndexFor(const StereoRig& rig, const SeenDepths& seen, const VoxelOpt
 }
 
 // What of a rig depth depends on; masks by their pixels, not their names.
-std::string DescribeForDepth(const StereoRig& rig) {
+std::string DescribeForDepth(const PosedPart& part) {
+  const StereoRig& rig = part.rig;
   StereoRig cameras;
   cameras.left = rig.left;
   cameras.right = rig.right;
@@ -94,35 +95,38 @@ std::string DescribeForDepth(const StereoRig& rig) {
       }
     }
   }
+  for (const Eigen::Vector3d& turn : part.right_turns) {
+    text += fmt::format("{} {} {} ", turn.x(), turn.y(), turn.z());
+  }
   return text;
 }
 
 // The depth of the index's frames.
 DepthIndex MatchFrames(const StageContext& context, const Dataset& dataset,
                        const DatasetContent& content, const RigFixedCells& fixed,
-                       const StereoRig& rig, const PointsInLeft& points_in_left,
-                       double seen_nearest_m, const DenseRequest& request, DepthIndex index,
-                       const KnownDepths& known = {}) {
+                       const PosedPart& part, double seen_nearest_m, const DenseRequest& request,
+                       DepthIndex index, const KnownDepths& known = {}) {
   const auto& [options, masks, voxel] = request;
+  const StereoRig& rig = part.rig;
   const double nearest_m = options.min_depth_m > 0.0 ? options.min_depth_m : seen_nearest_m;
   const Camera& camera = rig.left.camera;
   const DenseMatcher matcher(rig, nearest_m, options, masks,
                              fixed.Mask(camera.width, camera.height));
   index.view_mb = matcher.MegabytesPerView();
-  index.how = HashText(std::string(CodeHere()) + DescribeForDepth(rig) + OptionsText(options) +
+  index.how = HashText(std::string(CodeHere()) + DescribeForDepth(part) + OptionsText(options) +
                        OptionsText(masks));
   const std::string how =
       index.how + std::string(fixed.fixed.begin(), fixed.fixed.end()) + std::to_string(nearest_m);
   std::vector<FrameFile> own;  // not those of parts
   std::vector<char> is_own;    // per frame of the index
   for (const int frame : index.frames) {
-    const std::optional<FrameFile> part = known.FileOf(frame, index.how);
-    is_own.push_back(!part || !HasArtefact(part->In(context.root), part->key));
+    const std::optional<FrameFile> of_part = known.FileOf(frame, index.how);
+    is_own.push_back(!of_part || !HasArtefact(of_part->In(context.root), of_part->key));
     if (is_own.back()) {
       own.push_back(FrameFileOf("dense", dataset.frames[frame].stamp_ns,
                                 HashText(how + content.frames[frame])));
     }
-    index.files.push_back(is_own.back() ? own.back() : *part);
+    index.files.push_back(is_own.back() ? own.back() : *of_part);
   }
   std::vector<std::optional<double>> biases(index.frames.size());
   Progress progress("dense", index.frames.size());
@@ -136,11 +140,13 @@ DepthIndex MatchFrames(const StageContext& context, const Dataset& dataset,
     std::optional<DepthMap> depth;
     if (context.may_reuse || !is_own[i]) depth = LoadDepth(path, file.key);
     if (!depth) {
-      depth = matcher.Compute(dataset.frames[frame]);
+      depth = part.right_turns.empty()
+                  ? matcher.Compute(dataset.frames[frame])
+                  : matcher.Compute(dataset.frames[frame], part.right_turns[frame]);
       SaveDepth(path, file.key, *depth);
       ReturnFreedMemory(kKeptShare * context.memory_mb);
     }
-    biases[i] = DisparityBiasPx(*depth, points_in_left[frame]);
+    biases[i] = DisparityBiasPx(*depth, part.points_in_left[frame]);
     progress.Advance();
   });
   ForgetOlderFrames(context.root, own);
@@ -158,8 +164,8 @@ DepthIndex MakeJoinedDepths(const StageContext& context, const Dataset& dataset,
   index.frames = FramesForDepth(
       {part.trajectory, part.rig.left.camera, part.points_in_left, features.unreadable_frames},
       seen.near_m, index.voxel_m);
-  return MatchFrames(context, dataset, content, features.rig_fixed, part.rig, part.points_in_left,
-                     seen.nearest_m, {options, masks, voxel}, std::move(index), known);
+  return MatchFrames(context, dataset, content, features.rig_fixed, part, seen.nearest_m,
+                     {options, masks, voxel}, std::move(index), known);
 }
 
 DepthIndex MakeDepths(const StageContext& context, const Dataset& dataset,
@@ -176,23 +182,24 @@ DepthIndex MakeFrameDepths(const StageContext& context, const Dataset& dataset,
   constexpr double kAnyNoise_px = 0.1;  // for sigmas that nobody asks for
   DenseOptions of_single_frames = options;
   of_single_frames.keep_bends = false;  // no other frame averages the noise away
-  const StereoRig& rig = dataset.rig;
-  PointsInLeft points_in_left(dataset.frames.size());
+  PosedPart without_poses{.rig = dataset.rig};
+  PointsInLeft& points_in_left = without_poses.points_in_left;
+  points_in_left.resize(dataset.frames.size());
   for (std::size_t i = 0; i < points_in_left.size(); ++i) {
     const FrameFeatures frame = store.Get(static_cast<int>(i));
-    for (const auto& point : TriangulateFeatures(frame.features, rig, kAnyNoise_px)) {
+    for (const auto& point : TriangulateFeatures(frame.features, dataset.rig, kAnyNoise_px)) {
       if (point) points_in_left[i].push_back(point->x_in_left);
     }
   }
-  const SeenDepths seen = DepthsSeen(rig, points_in_left, features.near_m);
-  DepthIndex index = IndexFor(rig, seen, voxel);
+  const SeenDepths seen = DepthsSeen(dataset.rig, points_in_left, features.near_m);
+  DepthIndex index = IndexFor(dataset.rig, seen, voxel);
   for (int frame = 0; frame < static_cast<int>(dataset.frames.size()); ++frame) {
     if (!std::ranges::binary_search(features.unreadable_frames, frame)) {
       index.frames.push_back(frame);
     }
   }
-  return MatchFrames(context, dataset, content, features.rig_fixed, rig, points_in_left,
-                     seen.nearest_m, {of_single_frames, masks, voxel}, std::move(index));
+  return MatchFrames(context, dataset, content, features.rig_fixed, without_poses, seen.nearest_m,
+                     {of_single_frames, masks, voxel}, std::move(index));
 }
 
 void PublishDepths(Publication& publication, const StageContext&, const DepthIndex& index,

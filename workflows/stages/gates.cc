@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "adjustment/calibration.h"
 #include "adjustment/unchecked_scale.h"
 #include "gates/length_gate.h"
 #include "gates/refusal.h"
@@ -20,7 +21,7 @@ namespace {
 
 // What the metres rest on, for the verdict.
 std::string AboutRig(const GateInputs& inputs) {
-  constexpr double kTelling_px = 0.1, kTellingField_px = 0.005;
+  constexpr double kTelling_px = 0.1, kTellingFinely_px = 0.005;
   const StereoRig& rig = inputs.rig;
   const Adjustment& adjustment = inputs.adjustment;
   std::string about;
@@ -31,9 +32,16 @@ std::string AboutRig(const GateInputs& inputs) {
         "and has been corrected; ",
         adjustment.correction_px, adjustment.infinity_offset_px);
   }
-  if (adjustment.lens_field_rms_px >= kTellingField_px) {
+  if (adjustment.lens_field_rms_px >= kTellingFinely_px) {
     about += fmt::format("a field of {:.2g} px mends what the lens model lacks; ",
                          adjustment.lens_field_rms_px);
+  }
+  const double flexure_px = FlexurePx(adjustment.rig.right.camera, adjustment.right_turns).norm();
+  if (flexure_px >= kTellingFinely_px) {
+    about += fmt::format(
+        "the rig gives on the way, its right image by {:.2g} px from frame to frame, which is "
+        "followed; ",
+        flexure_px);
   }
   if (inputs.calibration_scale_sigma > 0.0) about += "the calibration is not corrected; ";
   if (std::abs(inputs.asked_offset_px) >= kTelling_px) {

@@ -10,6 +10,7 @@
 
 #include "adjustment/adjust.h"
 #include "adjustment/carry_groups.h"
+#include "adjustment/modelled_features.h"
 #include "matching/loop_closures_by_rig.h"
 #include "matching/match_frames.h"
 #include "odometry/track_frames.h"
@@ -71,7 +72,8 @@ bool IsKnownBetter(const Trajectory& trajectory, const Trajectory& other) {
 AdjustedPart PartAdjuster::From(const Poses& mapped) const {
   const Motions motions{input_.odometry, input_.matches.loop_closures};
   AdjustedPart part = From(mapped, input_.matches, motions, nullptr);
-  if (part.adjustment.IsRigCorrected()) return WithItsRig(std::move(part));
+  if (part.adjustment.IsRigCorrected()) part = WithItsRig(std::move(part));
+  if (IsBesideModel(part.adjustment)) return WithStepsAsModelled(std::move(part));
   return part;
 }
 
@@ -83,7 +85,7 @@ AdjustedPart PartAdjuster::WithItsRig(AdjustedPart part) const {
   part.adjustment.points = std::vector<AdjustedPoint>();
   const bool matches_anew = part.adjustment.correction_px > options_.matching.keypoint_noise_px;
   const StereoRig& rig = part.adjustment.rig;
-  Odometry steps = StepsWith(part);
+  Odometry steps = StepsWith(part, input_.features.AsSource());
   std::optional<Correspondences> anew;
   if (matches_anew) {
     anew = MatchFrames(steps, input_.features.AsSource(), rig, options_.matching,
@@ -156,15 +158,26 @@ AdjustedPart PartAdjuster::From(const Poses& mapped, const Correspondences& corr
   return part;
 }
 
+// Frames that only the odometry knows are off by what it lacks, and nothing else could be compared
+// with the adjusted ones.
+AdjustedPart PartAdjuster::WithStepsAsModelled(AdjustedPart part) const {
+  const Odometry steps = StepsWith(part, AsModelled(input_.features.AsSource(), part.adjustment));
+  AdjustedPart laid = LayInWorld(input_.dataset, steps, std::move(part.adjustment));
+  laid.loop_closures = std::move(part.loop_closures);
+  laid.rests_on_mapping = part.rests_on_mapping;
+  laid.remarks = std::move(part.remarks);
+  return laid;
+}
+
 // With the part's rig, near its poses: a step that was once lost was found by the matches since.
 // Which frames are keyframes stays as it was: they have been matched.
-Odometry PartAdjuster::StepsWith(const AdjustedPart& part) const {
+Odometry PartAdjuster::StepsWith(const AdjustedPart& part, const FeatureSource& features) const {
   const auto expected = [&](int from, int to) {
     return std::optional(part.trajectory[to].world_from_left.Inverse() *
                          part.trajectory[from].world_from_left);
   };
   const StereoRig& rig = part.adjustment.rig;
-  Odometry steps = TrackFrames(input_.features.frame_count(), input_.features.AsSource(), rig,
+  Odometry steps = TrackFrames(input_.features.frame_count(), features, rig,
                                options_.bridging.odometry, MatchBy::kDescriptors, expected);
   steps = Bridged(input_.dataset, rig, input_.features, std::move(steps), options_.bridging);
   for (std::size_t i = 0; i < steps.size(); ++i) steps[i].keyframe = input_.odometry[i].keyframe;

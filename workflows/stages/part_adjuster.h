@@ -36,7 +36,8 @@ class PartAdjuster {
 
   // From the odometry, and from `mapped` where that has poses. Where the images correct the rig,
   // the odometry is done anew and loop closures are measured anew with the corrected one, and all
-  // starts from that, since both erred as the wrong rig did.
+  // starts from that, since both erred as the wrong rig did. The odometry is done once more by what
+  // the adjustment has found beside the rig, if there is such a thing.
   AdjustedPart From(const Poses& mapped) const;
 
  private:
@@ -56,7 +57,9 @@ class PartAdjuster {
   // A corrected rig is provisional but where it starts from that of an adjustment before.
   AdjustedPart From(const Poses& mapped, const Correspondences& correspondences, Motions motions,
                     const Adjustment* before) const;
-  Odometry StepsWith(const AdjustedPart& part) const;
+  AdjustedPart WithStepsAsModelled(AdjustedPart part) const;
+  // With its rig, and these features.
+  Odometry StepsWith(const AdjustedPart& part, const FeatureSource& features) const;
 
   Input input_;
   Options options_;

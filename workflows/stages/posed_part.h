@@ -26,6 +26,8 @@ struct PosedPart {
   PointsInLeft points_in_left;     // sparse ones; empty where the technique has none
   std::vector<PosedPoint> points;  // those of the adjustment, once each; else empty
   WorldUp world_up = WorldUp::kCamera;
+  // Per frame, of the right eye (Adjustment::right_turns); empty where the rig is stiff.
+  std::vector<Eigen::Vector3d> right_turns = {};
 };
 
 // The rig with the files that go with it where they are now.
