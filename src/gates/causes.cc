@@ -177,8 +177,12 @@ Cause MotionsDiffer(const Failed& failed) {
                 "map and odometry tell of different motions: a tenth of the steps differ by "
                 "{} % of their length and more (expected: at most {} %)",
                 ValueText(*pct), LimitText(*pct))
-          : "map and odometry tell of different motions over three steps, or far in one (expected: "
-            "never)";
+      : failed.Find("motion_agreement_window")
+          ? "map and odometry tell of different motions over three steps, or far in one (expected: "
+            "never)"
+          : "map and odometry drift apart, by little in each step (expected: no more over many "
+            "steps "
+            "than noise and the accuracy asked for explain)";
   std::string advice = SameMoment(failed);
   if (failed.IsInPieces()) {
     constexpr std::size_t kMostPieces = 2;

@@ -4,13 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
-#include <limits>
 
 #include "core/statistics.h"
 #include "gates/accuracy.h"
 #include "gates/findings.h"
-#include "gates/internal/step_differences.h"
+#include "gates/internal/motion_gates.h"
 
 namespace rigmap {
 namespace {
@@ -45,49 +43,6 @@ void JudgeAccuracy(const GateInputs& inputs, const PoseGateOptions& options, Gat
       AtMost("position_95_pct", accuracy.position_95_pct, options.accuracy_pct,
              "positions are known to so many per cent (95 %) of the path, or of a metre "
              "if that is longer, only"));
-}
-
-// How far off the steps of any few that follow each other are, in limits: a map that is torn or
-// bent in one spot is off there alone. Sparse keyframes are torn in a single step: one by itself
-// has to be as many times as far off, as one wrong motion of the odometry may be.
-std::optional<double> WorstWindow(const std::vector<StepDifference>& differences,
-                                  const AdjustmentGateOptions& options) {
-  constexpr std::size_t kWindow = 3;
-  std::optional<double> worst;
-  for (const StepDifference& step : differences) {
-    worst = std::max(worst.value_or(0.0), step.Excess(options) / kWindow);
-  }
-  for (std::size_t i = 0; i + kWindow <= differences.size(); ++i) {
-    double least = std::numeric_limits<double>::infinity();
-    for (std::size_t k = i; k < i + kWindow; ++k) {
-      least = std::min(least, differences[k].Excess(options));
-    }
-    worst = std::max(worst.value_or(0.0), least);
-  }
-  return worst;
-}
-
-// A step is as far off as the smaller of its two shares of the limits; the gates show the step
-// that nine out of ten are better than.
-void JudgeMotion(const GateInputs& inputs, const AdjustmentGateOptions& options, Gates& gates) {
-  constexpr double kShare = 0.9;
-  std::optional<double> sigmas, pct;
-  auto differences = StepDifferences(inputs);
-  gates.push_back(AtMost(
-      "motion_agreement_window", WorstWindow(differences, options), 1.0,
-      "three steps on end in which map and odometry differ, or one by three times as much, in "
-      "limits of the two gates on all steps"));
-  if (!differences.empty()) {
-    const auto excess = [&](const StepDifference& step) { return step.Excess(options); };
-    const StepDifference typical = Quantile(std::move(differences), kShare, excess);
-    sigmas = typical.sigmas;
-    pct = typical.pct;
-  }
-  AddEither(AtMost("motion_agreement_sigmas", sigmas, options.motion_agreement_sigmas,
-                   "mapped against odometric steps, 90th percentile, in sigmas"),
-            AtMost("motion_agreement_pct", pct, options.motion_agreement_pct,
-                   "mapped against odometric steps, 90th percentile, per cent of the step"),
-            gates);
 }
 
 }  // namespace
@@ -142,7 +97,7 @@ bool AllPassed(const Gates& gates) {
 
 Gates JudgeAdjustment(const GateInputs& inputs, const AdjustmentGateOptions& options) {
   Gates gates;
-  JudgeMotion(inputs, options, gates);
+  JudgeSteps(inputs, options, gates);
   const bool adjusted = !inputs.adjustment.points.empty();
   const auto if_adjusted = [&](double value) {
     return adjusted ? std::optional(value) : std::nullopt;
@@ -196,6 +151,7 @@ Gates JudgePart(const GateInputs& inputs, const GateOptions& options) {
         JudgeCalibration(inputs, options.calibration)}) {
     gates.insert(gates.end(), more.begin(), more.end());
   }
+  gates.push_back(JudgeDrift(inputs, options.adjustment, options.poses.accuracy_pct));
   gates.push_back(JudgeDepthConsistency(inputs.depth_consistency, options.poses));
   return gates;
 }

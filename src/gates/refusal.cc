@@ -30,7 +30,7 @@ const std::vector<Root>& Roots() {
   using Names = std::vector<std::string_view>;
   static const Names sigmas{"scale_95_pct", "position_95_pct"};
   static const Names motion{"motion_agreement_window", "motion_agreement_sigmas",
-                            "motion_agreement_pct"};
+                            "motion_agreement_pct", "motion_agreement_drift"};
   static const Names residuals{"reprojection_px", "outlier_share"};
   static const Names shape{"baseline_spread", "baseline_rejected"};
   static const Names rig{"rig_refinement_px",          "infinity_offset_px",

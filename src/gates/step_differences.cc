@@ -4,6 +4,15 @@
 
 namespace rigmap {
 
+MotionDifference DifferenceOf(const Rigid3& motion, const Rigid3& measured,
+                              const Matrix6d& covariance) {
+  const Rigid3 off = motion * measured.Inverse();
+  Vector6d difference;
+  difference << off.translation, LogRotation(off.rotation);
+  const double squares = difference.dot(covariance.ldlt().solve(difference)) / 6.0;
+  return {RootOfSquares(squares), RootOfSquares(off.translation.squaredNorm())};
+}
+
 std::vector<StepDifference> StepDifferences(const GateInputs& inputs) {
   std::vector<StepDifference> differences;
   for (std::size_t i = 0; i < inputs.odometry.size(); ++i) {
@@ -14,14 +23,11 @@ std::vector<StepDifference> StepDifferences(const GateInputs& inputs) {
     if (frame.source != PoseSource::kOdometry || reference == i || !to || !from) continue;
     const Rigid3 odometric =
         frame.world_from_left.Inverse() * inputs.odometry[reference].world_from_left;
-    const Rigid3 off = (to->Inverse() * *from) * odometric.Inverse();
-    Vector6d difference;
-    difference << off.translation, LogRotation(off.rotation);
-    const double squares = difference.dot(frame.step_covariance.ldlt().solve(difference)) / 6.0;
-    const double off_m = RootOfSquares(off.translation.squaredNorm()),
-                 step_m = odometric.translation.norm();
+    const MotionDifference off =
+        DifferenceOf(to->Inverse() * *from, odometric, frame.step_covariance);
+    const double step_m = odometric.translation.norm();
     differences.push_back(
-        {static_cast<int>(i), RootOfSquares(squares), step_m > 0.0 ? 100.0 * off_m / step_m : 0.0});
+        {static_cast<int>(i), off.sigmas, step_m > 0.0 ? 100.0 * off.distance_m / step_m : 0.0});
   }
   return differences;
 }

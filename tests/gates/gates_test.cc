@@ -114,14 +114,14 @@ TEST_F(GatesTest, HealthyPartPassesThemAllOnceEach) {
     EXPECT_EQ(gate.value.has_value(), gate.name != "rig_refinement_px") << gate.name;
     names.push_back(gate.name);
   }
-  EXPECT_THAT(
-      names,
-      testing::UnorderedElementsAre(
-          "baseline_spread", "baseline_rejected", "registered", "predicted", "breaks",
-          "position_95_pct", "scale_95_pct", "rig_refinement_px", "motion_agreement_window",
-          "motion_agreement_sigmas", "motion_agreement_pct", "reprojection_px", "outlier_share",
-          "epipolar_px", "infinity_offset_px", "rig_consistency_deg", "rig_consistency_sigmas",
-          "intrinsics_consistency_pct", "intrinsics_consistency_sigmas", "depth_consistency_pct"));
+  EXPECT_THAT(names, testing::UnorderedElementsAre(
+                         "baseline_spread", "baseline_rejected", "registered", "predicted",
+                         "breaks", "position_95_pct", "scale_95_pct", "rig_refinement_px",
+                         "motion_agreement_window", "motion_agreement_sigmas",
+                         "motion_agreement_pct", "reprojection_px", "outlier_share", "epipolar_px",
+                         "infinity_offset_px", "rig_consistency_deg", "rig_consistency_sigmas",
+                         "intrinsics_consistency_pct", "intrinsics_consistency_sigmas",
+                         "motion_agreement_drift", "depth_consistency_pct"));
   EXPECT_EQ(FailureReason(All()), "");
 }
 

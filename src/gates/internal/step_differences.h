@@ -8,6 +8,16 @@
 
 namespace rigmap {
 
+// Of a motion against one that an odometry has measured.
+struct MotionDifference {
+  double sigmas = 0.0;  // root mean square of all six coordinates
+  double distance_m = 0.0;
+};
+
+// `covariance`: of the measured one, as a left perturbation.
+MotionDifference DifferenceOf(const Rigid3& motion, const Rigid3& measured,
+                              const Matrix6d& covariance);
+
 struct StepDifference {
   int frame = 0;  // at the end of the step, which begins at its reference
   double sigmas = 0.0, pct = 0.0;
