@@ -137,11 +137,21 @@ Rectifier::Maps Rectifier::MakeMaps(const RigEye& eye,
   Maps maps{cv::Mat(camera_.height, camera_.width, CV_32FC1, kOutside),
             cv::Mat(camera_.height, camera_.width, CV_32FC1, kOutside)};
   const Eigen::Matrix3d rotation = eye_from_rectified.toRotationMatrix();
+  const auto ray_of = [&](int column, int row) -> Eigen::Vector3d {
+    return rotation * Eigen::Vector3d((column - camera_.cx) / camera_.fx,
+                                      (row - camera_.cy) / camera_.fy, 1.0);
+  };
+  const auto is_inside = [&](const Eigen::Vector3d& ray) {
+    return ray.z() > 0.0 && IsInsideFold(eye.camera, ray.hnormalized());
+  };
+  // What lies within the corners lies no further out, so that they speak for all.
+  const int right = camera_.width - 1, low = camera_.height - 1;
+  const bool all_inside = is_inside(ray_of(0, 0)) && is_inside(ray_of(right, 0)) &&
+                          is_inside(ray_of(0, low)) && is_inside(ray_of(right, low));
   for (int row = 0; row < camera_.height; ++row) {
     for (int column = 0; column < camera_.width; ++column) {
-      const Eigen::Vector3d ray = rotation * Eigen::Vector3d((column - camera_.cx) / camera_.fx,
-                                                             (row - camera_.cy) / camera_.fy, 1.0);
-      if (ray.z() <= 0.0 || !IsInsideFold(eye.camera, ray.hnormalized())) continue;
+      const Eigen::Vector3d ray = ray_of(column, row);
+      if (!all_inside && !is_inside(ray)) continue;
       // A field varies so slowly that where it is taken, there or here, makes no difference.
       Eigen::Vector2d pixel = Distort(eye.camera, ray.hnormalized());
       pixel -= BesideModel(eye, pixel);

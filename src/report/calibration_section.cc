@@ -102,12 +102,12 @@ std::string CorrectionTable(const FigureSource& summary) {
       "what the correction adds to every disparity; the sigma is of what is in use");
   row("Field of the lens", Figure(summary, "/rig/lens_field_rms_px", Quantity::kPixels),
       "displacements that mend what the lens model lacks, root mean square over the image");
-  constexpr std::array kMoves{"up and down", "sideways, which changes depths", "by rolling"};
+  constexpr std::array kMoves{"up and down", "sideways, and depths with it,", "by rolling"};
   for (std::size_t axis = 0; axis < kMoves.size(); ++axis) {
     row(fmt::format("Flexure about {}", "xyz"[axis]).c_str(),
         Figure(summary, fmt::format("/rig/flexure_px/{}", axis), Quantity::kPixels),
-        fmt::format("how far the right image moves {} from frame to frame, root mean square, where "
-                    "the rig gives",
+        fmt::format("a rig that gives moves its right image {} from frame to frame (root mean "
+                    "square)",
                     kMoves[axis])
             .c_str());
   }
