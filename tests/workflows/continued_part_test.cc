@@ -112,7 +112,7 @@ TEST_F(ContinuedPart, MovedWithItsDataIsDoneAlready) {
   EXPECT_THAT(DifferentFrom(before), ElementsAre("joining/input.bin"));
   const json summary = Summary();
   EXPECT_EQ(summary["stages"].size(), 20U);
-  EXPECT_EQ(summary["gates"].size(), 22U);
+  EXPECT_EQ(summary["gates"].size(), 23U);
   // Links lead to where the images are now.
   for (const auto& link : fs::directory_iterator(out_ / "colmap" / "images" / "left")) {
     EXPECT_THAT(fs::read_symlink(link.path()).string(), StartsWith(data.string()));
@@ -371,7 +371,7 @@ TEST_F(ContinuedPart, MadeTwiceAtATimeInOneProcessIsTheSame) {
   for (const char* name : {"a", "b"}) {
     out_ = folder_.Path() / name;
     EXPECT_THAT(DifferentFrom(expected), IsEmpty()) << name;
-    EXPECT_EQ(Summary()["gates"].size(), 22U);
+    EXPECT_EQ(Summary()["gates"].size(), 23U);
   }
 }
 

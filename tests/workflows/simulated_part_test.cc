@@ -118,7 +118,7 @@ class SimulatedPartTest : public testing::Test {
     EXPECT_EQ(summary["frames"]["registered"], summary["frames"]["keyframes"]);
     EXPECT_GT(summary["scale"]["metres_per_model_unit"].get<double>(), 0.0);
     EXPECT_EQ(summary["stages"].size(), 20U);
-    EXPECT_EQ(summary["gates"].size(), 22U);
+    EXPECT_EQ(summary["gates"].size(), 23U);
     EXPECT_TRUE(summary["versions"]["colmap"].is_string());
     EXPECT_EQ(ReadTum(out_ / "trajectory.tum").size(), 8U);
   }
