@@ -133,7 +133,8 @@ bool RigFlexure::Begin(const Linearisation& at, const AdjustmentOptions& options
 void RigFlexure::Move(const std::vector<PoseResponse>& responses,
                       const CalibrationVector& calibration_step) {
   for (std::size_t i = 0; i < turns_.size(); ++i) {
-    turns_[i] += TurnStep(responses[i], calibration_step);
+    const Eigen::Vector3d step = TurnStep(responses[i], calibration_step);
+    turns_[i] += (sigmas_.array() > 0.0).select(step, 0.0);  // the others' prior is no exact zero
   }
 }
 

@@ -80,7 +80,7 @@ TEST_F(FlexureTest, TurnsAreThoseThatWerePutIn) {
   const Eigen::Vector3d px = FlexurePx(camera, steadied.right_turns);
   EXPECT_NEAR(px.x(), 0.2, 0.08);
   EXPECT_NEAR(px.y(), 0.2, 0.08);
-  EXPECT_LT(px.z(), 0.05);
+  EXPECT_EQ(px.z(), 0.0) << "it does not roll";
 }
 
 TEST(FlexurePx, IsWhatTurnsDoInTheImage) {
