@@ -61,7 +61,7 @@ double LargestShiftSigmas(const StereoRig& from, const StereoRig& to,
 // pixel; the pixel itself where that has no ray.
 Eigen::Vector2d Steadied(const Camera& right, const Eigen::Vector3d& turn,
                          const Eigen::Vector2d& pixel);
-// How far turns of the right eye, one per frame, move its image from frame to frame: root mean
+// How far turns of the right eye, one per frame, move its image about its mean: root mean
 // squares of what turns about x, y and z do at the middle of the image, those about z at the root
 // mean square distance from it. Zero without turns.
 Eigen::Vector3d FlexurePx(const Camera& right, const std::vector<Eigen::Vector3d>& turns);

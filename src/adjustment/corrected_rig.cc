@@ -120,11 +120,16 @@ Eigen::Vector2d Steadied(const Camera& right, const Eigen::Vector3d& turn,
 }
 
 Eigen::Vector3d FlexurePx(const Camera& right, const std::vector<Eigen::Vector3d>& turns) {
-  if (turns.empty()) return Eigen::Vector3d::Zero();
   Eigen::Vector3d squares = Eigen::Vector3d::Zero();
-  for (const Eigen::Vector3d& turn : turns) squares += turn.cwiseAbs2();
+  int known = 0;
+  for (const Eigen::Vector3d& turn : turns) {
+    if (turn.isZero()) continue;  // of a frame that was not adjusted
+    squares += turn.cwiseAbs2();
+    ++known;
+  }
+  if (known == 0) return Eigen::Vector3d::Zero();
   const double focal = right.MeanFocal(), distance = right.RmsDistancePx();
-  const Eigen::Vector3d rms = (squares / static_cast<double>(turns.size())).cwiseSqrt();
+  const Eigen::Vector3d rms = (squares / known).cwiseSqrt();
   return rms.cwiseProduct(Eigen::Vector3d(focal, focal, distance));
 }
 

@@ -177,12 +177,8 @@ Cause MotionsDiffer(const Failed& failed) {
                 "map and odometry tell of different motions: a tenth of the steps differ by "
                 "{} % of their length and more (expected: at most {} %)",
                 ValueText(*pct), LimitText(*pct))
-      : failed.Find("motion_agreement_window")
-          ? "map and odometry tell of different motions over three steps, or far in one (expected: "
-            "never)"
-          : "map and odometry drift apart, by little in each step (expected: no more over many "
-            "steps "
-            "than noise and the accuracy asked for explain)";
+          : "map and odometry tell of different motions over three steps, or far in one (expected: "
+            "never)";
   std::string advice = SameMoment(failed);
   if (failed.IsInPieces()) {
     constexpr std::size_t kMostPieces = 2;
@@ -191,6 +187,15 @@ Cause MotionsDiffer(const Failed& failed) {
                          Alone(failed, pieces.first(std::min(pieces.size(), kMostPieces))));
   }
   return {"map and odometry tell of different motions", std::move(found), std::move(advice)};
+}
+
+Cause MotionsDrift(const Failed& failed) {
+  const Gate& gate = *failed.Find("motion_agreement_drift");
+  return {"map and odometry drift apart",
+          fmt::format("map and odometry drift apart, by little in each step: over many by {} times "
+                      "what noise and the accuracy asked for explain (expected: at most {})",
+                      ValueText(gate), LimitText(gate)),
+          "compare both (--technique vo) with a distance that is known: one of them is wrong"};
 }
 
 Cause SensorsContradict(const Failed& failed) {

@@ -34,7 +34,8 @@ OptionFields PoseGateOptions::Fields() {
        "position as a share of the path (or of a metre if that is longer), both at 95 % by the "
        "result's own sigmas. One per cent is what people ask of odometry; a rover's part that is "
        "tracked throughout has 0.1 to 0.4. It is the limit of depth_consistency_pct as well: "
-       "depths that contradict each other by more cannot give metres as good."},
+       "depths that contradict each other by more cannot give metres as good; and the least limit "
+       "of motion_agreement_drift."},
   };
 }
 

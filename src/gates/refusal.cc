@@ -29,8 +29,10 @@ std::vector<std::string_view> Joined(std::initializer_list<std::vector<std::stri
 const std::vector<Root>& Roots() {
   using Names = std::vector<std::string_view>;
   static const Names sigmas{"scale_95_pct", "position_95_pct"};
-  static const Names motion{"motion_agreement_window", "motion_agreement_sigmas",
-                            "motion_agreement_pct", "motion_agreement_drift"};
+  static const Names steps{"motion_agreement_window", "motion_agreement_sigmas",
+                           "motion_agreement_pct"};
+  static const Names drift{"motion_agreement_drift"};
+  static const Names motion = Joined({steps, drift});
   static const Names residuals{"reprojection_px", "outlier_share"};
   static const Names shape{"baseline_spread", "baseline_rejected"};
   static const Names rig{"rig_refinement_px",          "infinity_offset_px",
@@ -55,7 +57,8 @@ const std::vector<Root>& Roots() {
       {FewRegistered, registered, Joined({shape, length, motion, sigmas})},
       {MapIsBent, shape, Joined({length, motion, lenses, sigmas})},
       {MatchesContradict, residuals, Joined({motion, lenses, sigmas})},
-      {MotionsDiffer, motion, Joined({length, lenses, sigmas}), true},
+      {MotionsDiffer, steps, Joined({drift, length, lenses, sigmas}), true},
+      {MotionsDrift, drift, Joined({length, lenses, sigmas})},
       {LengthsDiffer, length, sigmas},
       {DepthsDisagree, lenses, sigmas},
       {NotAsGoodAsAsked, sigmas, {}, false, true},

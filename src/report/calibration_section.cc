@@ -106,8 +106,7 @@ std::string CorrectionTable(const FigureSource& summary) {
   for (std::size_t axis = 0; axis < kMoves.size(); ++axis) {
     row(fmt::format("Flexure about {}", "xyz"[axis]).c_str(),
         Figure(summary, fmt::format("/rig/flexure_px/{}", axis), Quantity::kPixels),
-        fmt::format("a rig that gives moves its right image {} from frame to frame (root mean "
-                    "square)",
+        fmt::format("a rig that gives moves its right image {} about its mean (root mean square)",
                     kMoves[axis])
             .c_str());
   }

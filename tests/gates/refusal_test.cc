@@ -220,6 +220,18 @@ TEST(RefusalOf, AdvisesAgainstWhatTheUncertaintyComesFrom) {
   EXPECT_THAT(advice(findings), Not(HasSubstr("rig_refined")));
 }
 
+// Where nothing is torn no stretch is better than another.
+TEST(RefusalOf, AMapThatDriftsLeavesNothing) {
+  PartFindings findings = Findings();
+  findings.guessed = {{0, 1}};
+  findings.pieces = {{1, 30}};
+  const Refusal refusal = RefusalOf(Failing({"motion_agreement_drift"}, 2.5), findings);
+  ASSERT_THAT(refusal.causes, SizeIs(1));
+  EXPECT_THAT(refusal.causes[0].found, HasSubstr("by 2.5 times what noise"));
+  EXPECT_THAT(refusal.causes[0].advice, HasSubstr("--technique vo"));
+  EXPECT_EQ(refusal.usable, "nothing");
+}
+
 TEST(RefusalOf, ADenseMapThatIsOffLeavesTheTrajectory) {
   const Refusal refusal = RefusalOf(Failing({"depth_bias_px"}, 0.3, 0.1), Findings());
   EXPECT_THAT(refusal.causes[0].found, HasSubstr("0.3 px of disparity (expected: at most 0.1 px)"));

@@ -39,8 +39,7 @@ std::string AboutRig(const GateInputs& inputs) {
   const double flexure_px = FlexurePx(adjustment.rig.right.camera, adjustment.right_turns).norm();
   if (flexure_px >= kTellingFinely_px) {
     about += fmt::format(
-        "the rig gives on the way, its right image by {:.2g} px from frame to frame, which is "
-        "followed; ",
+        "the rig gives: its right image moves by {:.2g} px about its mean, which is followed; ",
         flexure_px);
   }
   if (inputs.calibration_scale_sigma > 0.0) about += "the calibration is not corrected; ";

@@ -162,6 +162,11 @@ AdjustedPart PartAdjuster::From(const Poses& mapped, const Correspondences& corr
 // with the adjusted ones.
 AdjustedPart PartAdjuster::WithStepsAsModelled(AdjustedPart part) const {
   const Odometry steps = StepsWith(part, AsModelled(input_.features.AsSource(), part.adjustment));
+  // What is known of a motion is not known of one against another reference.
+  for (std::size_t i = 0; i < part.adjustment.link_covariances.size(); ++i) {
+    if (steps[i].reference == part.odometry[i].reference) continue;
+    part.adjustment.link_covariances[i].reset();
+  }
   AdjustedPart laid = LayInWorld(input_.dataset, steps, std::move(part.adjustment));
   laid.loop_closures = std::move(part.loop_closures);
   laid.rests_on_mapping = part.rests_on_mapping;

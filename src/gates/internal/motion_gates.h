@@ -11,8 +11,9 @@ void JudgeSteps(const GateInputs& inputs, const AdjustmentGateOptions& options, 
 // motion_agreement_drift: ways of 2, 4, 8 and more steps of the odometry's chain. What is off in
 // each step by chance averages out, so that of a way the share may be off by as much as of a step
 // over the root of their number, but by `accuracy_pct` in any case: small steps aside that all go
-// the same way, or turn the same way, are beyond. Of the ways of equal length the median counts:
-// one wrong motion of the odometry is in many of them. The worst number of steps, in limits; a way
+// the same way, or turn the same way, are beyond. Of the ways of equal length the median counts,
+// so that one wrong length of the odometry passes where the chain is long; a wrong turn, which a
+// torn map has as well, does not. The worst number of steps, in limits; a way
 // is as far off as the smaller of sigmas and share says. No value where no two steps follow each
 // other.
 Gate JudgeDrift(const GateInputs& inputs, const AdjustmentGateOptions& options,
