@@ -112,11 +112,12 @@ void JudgeSteps(const GateInputs& inputs, const AdjustmentGateOptions& options, 
 Gate JudgeDrift(const GateInputs& inputs, const AdjustmentGateOptions& options,
                 double accuracy_pct) {
   std::optional<double> worst;
-  double steps = 2.0;
-  for (Ways ways = Doubled(SingleSteps(inputs.odometry));
-       std::ranges::any_of(ways, [](const auto& way) { return way.has_value(); });
-       ways = Doubled(ways), steps *= 2.0) {
-    const auto excess = TypicalExcess(ways, steps, inputs, options, accuracy_pct);
+  Ways ways = SingleSteps(inputs.odometry);
+  // No chain has as many steps as there are frames, unless it goes round in a circle.
+  for (std::size_t steps = 2; steps < inputs.odometry.size(); steps *= 2) {
+    ways = Doubled(ways);
+    const auto excess =
+        TypicalExcess(ways, static_cast<double>(steps), inputs, options, accuracy_pct);
     if (excess) worst = std::max(worst.value_or(0.0), *excess);
   }
   return AtMost("motion_agreement_drift", worst, 1.0,

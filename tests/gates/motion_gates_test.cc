@@ -117,6 +117,11 @@ TEST_F(DriftTest, AGapThatNobodyMeasuredEndsAWay) {
   EXPECT_NEAR(Drift().value.value(), 0.0, 1e-9);
 }
 
+TEST_F(DriftTest, ReferencesInACircleHaveAnEnd) {
+  odometry_[1].reference = 2;
+  EXPECT_TRUE(Drift().passed);
+}
+
 TEST_F(DriftTest, WhatIsNoNumberFails) {
   adjustment_.world_from_left[7]->translation.x() = std::numeric_limits<double>::quiet_NaN();
   for (int i = 8; i <= 64; ++i) adjustment_.world_from_left[i] = adjustment_.world_from_left[7];

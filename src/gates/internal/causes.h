@@ -13,8 +13,8 @@ Cause RigIsContradicted(const Failed& failed);  // rig_refinement, rig_ and intr
 Cause FewRegistered(const Failed& failed);      // registered
 Cause MapIsBent(const Failed& failed);          // baseline_spread, baseline_rejected
 Cause MatchesContradict(const Failed& failed);  // reprojection_px, outlier_share
-Cause MotionsDiffer(const Failed& failed);
-Cause MotionsDrift(const Failed& failed);       // motion_agreement
+Cause MotionsDiffer(const Failed& failed);      // motion_agreement_window, _sigmas, _pct
+Cause MotionsDrift(const Failed& failed);       // motion_agreement_drift
 Cause SensorsContradict(const Failed& failed);  // sensors_contradict
 Cause CloudsSlide(const Failed& failed);        // unheld
 Cause ChainsDiffer(const Failed& failed);       // closure_sigmas, closure_pct

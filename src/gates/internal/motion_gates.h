@@ -13,9 +13,8 @@ void JudgeSteps(const GateInputs& inputs, const AdjustmentGateOptions& options, 
 // over the root of their number, but by `accuracy_pct` in any case: small steps aside that all go
 // the same way, or turn the same way, are beyond. Of the ways of equal length the median counts,
 // so that one wrong length of the odometry passes where the chain is long; a wrong turn, which a
-// torn map has as well, does not. The worst number of steps, in limits; a way
-// is as far off as the smaller of sigmas and share says. No value where no two steps follow each
-// other.
+// torn map has as well, does not. The worst number of steps, in limits; a way is as far off as the
+// smaller of sigmas and share says. No value where no two steps follow each other.
 Gate JudgeDrift(const GateInputs& inputs, const AdjustmentGateOptions& options,
                 double accuracy_pct);
 
